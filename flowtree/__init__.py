@@ -1,0 +1,59 @@
+"""flowtree: two loose photographs of a tree in, a 3D tree out (the particle-flow method)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+# Public name -> the module that holds it; loaded when first asked for (PEP 562), so that importing is quick.
+_PUBLIC = {
+    "AttractorGraph": "flowtree.model.attractor",
+    "Camera": "flowtree.model.camera",
+    "DensityVolume": "flowtree.model.volume",
+    "DirectionField": "flowtree.model.field",
+    "FlowTraces": "flowtree.model.traces",
+    "FlowtreeError": "flowtree.errors",
+    "Foliage": "flowtree.model.foliage",
+    "InputError": "flowtree.errors",
+    "Matte": "flowtree.model.matte",
+    "Params": "flowtree.params",
+    "Photo": "flowtree.model.photo",
+    "Skeleton": "flowtree.model.skeleton",
+    "TreeMesh": "flowtree.model.mesh",
+    "TreeModel": "flowtree.model.tree",
+}
+
+if TYPE_CHECKING:
+    from flowtree.errors import FlowtreeError as FlowtreeError
+    from flowtree.errors import InputError as InputError
+    from flowtree.model.attractor import AttractorGraph as AttractorGraph
+    from flowtree.model.camera import Camera as Camera
+    from flowtree.model.field import DirectionField as DirectionField
+    from flowtree.model.foliage import Foliage as Foliage
+    from flowtree.model.matte import Matte as Matte
+    from flowtree.model.mesh import TreeMesh as TreeMesh
+    from flowtree.model.photo import Photo as Photo
+    from flowtree.model.skeleton import Skeleton as Skeleton
+    from flowtree.model.traces import FlowTraces as FlowTraces
+    from flowtree.model.tree import TreeModel as TreeModel
+    from flowtree.model.volume import DensityVolume as DensityVolume
+    from flowtree.params import Params as Params
+
+__all__ = sorted(_PUBLIC)
+
+
+def __getattr__(name: str) -> Any:
+    """Loads a public name when it is first asked for."""
+    if name not in _PUBLIC:
+        raise AttributeError(f"module 'flowtree' has no attribute {name!r}")
+    from importlib import import_module
+
+    value = getattr(import_module(_PUBLIC[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """The public names, loaded or not."""
+    return sorted({*globals(), *_PUBLIC})

@@ -1,0 +1,1 @@
+"""Attractor graphs and their direction fields (Particle Flows, sections 4 and 7)."""

@@ -1,0 +1,95 @@
+"""Picks the device, uploads, and launches kernels on all cores; the only caller of ``wp.launch``."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
+from functools import lru_cache
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import warp as wp
+from numpy.typing import NDArray
+
+from flowtree import check
+
+wp.config.log_level = wp.LOG_ERROR  # its greeting belongs to no output of ours
+# Below this many indices a second core costs more than it saves: a launch alone costs about 9 microseconds.
+_SPLIT_FROM = 512
+
+
+def pick_device(name: str | None = None) -> str:
+    """The device to run on: the given one, else CUDA where there is one, else the CPU.
+
+    Raises:
+        InputError: this machine has no such device.
+    """
+    if name is None:
+        return "cuda:0" if wp.is_cuda_available() else "cpu"
+    known = [str(device) for device in wp.get_devices()]
+    wanted = "cuda:0" if name == "cuda" else name
+    check.require(
+        wanted in known, "device", f"must be one of {', '.join(known)}", repr(name), "name one of them"
+    )
+    return wanted
+
+
+def thread_count() -> int:
+    """Cores to launch on: ``FLOWTREE_THREADS``, else all that this process may use.
+
+    Raises:
+        InputError: the variable is not a positive whole number.
+    """
+    text = os.environ.get("FLOWTREE_THREADS", "")
+    if not text:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    valid = text.isdigit() and int(text) > 0
+    check.require(valid, "FLOWTREE_THREADS", "must be a positive whole number", repr(text), "set or unset it")
+    return int(text)
+
+
+def upload(values: NDArray[Any], dtype: Any, device: str) -> Any:
+    """A device array with the values; ``dtype`` is a Warp type (``wp.vec3`` for rows of three)."""
+    return wp.array(np.ascontiguousarray(values), dtype=dtype, device=device)
+
+
+def empty(shape: int | tuple[int, ...], dtype: Any, device: str) -> Any:
+    """An uninitialised device array."""
+    return wp.empty(shape, dtype=dtype, device=device)
+
+
+def zeros(shape: int | tuple[int, ...], dtype: Any, device: str) -> Any:
+    """A device array of zeros."""
+    return wp.zeros(shape, dtype=dtype, device=device)
+
+
+def launch(kernel: Any, count: int, inputs: Sequence[Any], outputs: Sequence[Any], *, device: str) -> None:
+    """Runs a one-dimensional kernel over ``count`` indices, on all cores when the device is the CPU.
+
+    The kernel's first argument is its first index (``i = first + wp.tid()``): that is how a range is split.
+    Each index is computed exactly as it would be alone, so the number of cores does not change a byte.
+    """
+    if count <= 0:
+        return
+    threads = 1 if device != "cpu" or count < _SPLIT_FROM else min(thread_count(), count)
+    arguments = [*inputs, *outputs]
+    if threads == 1:
+        wp.launch(kernel, dim=count, inputs=[0, *arguments], device=device)
+        return
+    # The first launch of a module compiles it: that must not happen in two threads at once.
+    wp.load_module(kernel.module, device=device)
+    bounds = np.linspace(0, count, threads + 1).astype(int)
+    jobs = [
+        _pool(threads).submit(wp.launch, kernel, dim=int(b - a), inputs=[int(a), *arguments], device=device)
+        for a, b in pairwise(bounds)
+    ]
+    wait(jobs)
+    for job in jobs:
+        job.result()
+
+
+@lru_cache(maxsize=4)
+def _pool(threads: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(threads, thread_name_prefix="flowtree")

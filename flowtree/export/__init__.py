@@ -1,0 +1,1 @@
+"""Writes trees and skeletons into the formats of other programs."""

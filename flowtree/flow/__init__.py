@@ -1,0 +1,1 @@
+"""Particle tracing from the crown to the foot (Particle Flows, section 6)."""

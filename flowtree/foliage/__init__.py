@@ -1,0 +1,1 @@
+"""Leaves: shape, texture, place, colour (Particle Flows, section 8)."""

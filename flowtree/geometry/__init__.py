@@ -1,0 +1,1 @@
+"""Pure mathematics without a tree word in it: frames, projections, polylines, sampling."""

@@ -1,0 +1,1 @@
+"""From a photograph to its alpha matte (Particle Flows, section 4)."""

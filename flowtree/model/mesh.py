@@ -1,0 +1,48 @@
+"""Triangles and what covers them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Material:
+    """A metallic-roughness material with metallic 0.
+
+    Attributes:
+        name: as it stands in the file.
+        base_color: (h, w, 3) or (h, w, 4) uint8 sRGB texture, row 0 on top; four channels are alpha-tested.
+        normal: (h, w, 3) uint8 tangent-space normal map (glTF convention: +y is up), or None.
+        roughness: 0..1.
+        double_sided: whether both sides are seen.
+        alpha_cutoff: below this alpha the surface is not there; None is opaque.
+    """
+
+    name: str
+    base_color: NDArray[np.uint8]
+    normal: NDArray[np.uint8] | None = None
+    roughness: float = 0.9
+    double_sided: bool = False
+    alpha_cutoff: float | None = None
+
+
+@dataclass(frozen=True)
+class TreeMesh:
+    """Triangles with texture coordinates, world frame.
+
+    Attributes:
+        positions: (n, 3) float32 [m].
+        normals: (n, 3) float32, unit.
+        uvs: (n, 2) float32; (0, 0) is the picture's upper left corner, v grows downwards, as in glTF.
+        triangles: (m, 3) int32, counter-clockwise seen from outside.
+        colors: (n, 3) float32 in 0..1, linear, multiplied with the texture; None is white.
+    """
+
+    positions: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    uvs: NDArray[np.float32]
+    triangles: NDArray[np.int32]
+    colors: NDArray[np.float32] | None = None

@@ -1,0 +1,156 @@
+"""Every stage's parameters, each declared once: default, range, unit, one line of text.
+
+That one declaration drives the check, ``--set flow.particle_count=4000``, the TOML file, the studio's sliders
+and the table of ``flowtree params``.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+def _number(
+    default: Any,
+    doc: str,
+    *,
+    ge: float | None = None,
+    le: float | None = None,
+    gt: float | None = None,
+    unit: str = "",
+) -> Any:
+    return Field(default, description=doc, ge=ge, le=le, gt=gt, json_schema_extra={"unit": unit})
+
+
+def _choice(default: Any, doc: str) -> Any:
+    return Field(default, description=doc, json_schema_extra={"unit": ""})
+
+
+class StageParams(BaseModel):
+    """What all stages' parameters share: frozen, finite, no unknown names."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class PhotoParams(StageParams):
+    """Reading a photograph."""
+
+    working_height: int = _number(
+        1024, "largest height or width of the working picture", ge=64, le=8192, unit="px"
+    )
+    max_megapixels: float = _number(
+        200.0, "pictures that claim more are refused before decoding", gt=0, le=2000, unit="MP"
+    )
+
+
+class MattingParams(StageParams):
+    """From photograph to alpha matte."""
+
+    foreground_colors: tuple[str, ...] = _choice((), "colours picked on the tree, as #rrggbb")
+    background_colors: tuple[str, ...] = _choice((), "colours picked beside the tree, as #rrggbb")
+    solve_height: int = _number(
+        448, "height at which closed-form matting is solved before refinement", ge=64, le=4096, unit="px"
+    )
+
+
+class AttractionParams(StageParams):
+    """Livewire attractor graphs."""
+
+    seed_count: int = _number(28, "seed points on the silhouette", ge=0, le=2000)
+    seed_mode: Literal["farthest", "random"] = _choice("farthest", "how the silhouette's seeds are spread")
+    automatic: bool = _choice(True, "trace the automatic graph even where strokes are given")
+
+
+class FieldParams(StageParams):
+    """Direction fields (Particle Flows, equation 3)."""
+
+    resolution: int = _number(100, "cells along each side of a view's grid", ge=4, le=1000)
+    blending: Literal["linear", "constant"] = _choice("linear", "the function h(d)")
+    reach: float = _number(
+        0.18,
+        "distance at which linear blending points straight at the graph",
+        gt=0,
+        le=2,
+        unit="tree heights",
+    )
+    angle: float = _number(
+        45.0, "angle between field and graph under constant blending", ge=0, le=90, unit="degrees"
+    )
+
+
+class DensityParams(StageParams):
+    """The density volume (Particle Flows, section 5)."""
+
+    resolution: int = _number(64, "voxels along the tree's height", ge=4, le=512)
+    carve: float = _number(0.01, "voxels of a smaller initial alpha are empty", ge=0, le=1)
+    iterations: int = _number(40, "rounds of the least-squares solver", ge=0, le=1000)
+
+
+class FlowParams(StageParams):
+    """Particle tracing (Particle Flows, section 6)."""
+
+    particle_count: int = _number(2000, "particles released in the crown", ge=1, le=5_000_000)
+
+
+class ThicknessParams(StageParams):
+    """Da Vinci radii (Particle Flows, section 8)."""
+
+    da_vinci: float = _number(1.0, "the constant a in r² = a Σ rᵢ²", ge=1.0, le=2.0)
+    trunk_radius: float | None = _number(
+        None,
+        "radius of the trunk above its foot; left out, it is measured in the photos",
+        gt=0,
+        le=20,
+        unit="m",
+    )
+
+
+class BranchParams(StageParams):
+    """From traces to branches."""
+
+    smoothing: int = _number(6, "rounds of smoothing; 0 leaves branches chiselled", ge=0, le=100)
+
+
+class TwigParams(StageParams):
+    """Small twigs (Particle Flows, section 8)."""
+
+    divergence: float = _number(
+        137.5, "angle around the branch from twig to twig; 90 and 180 occur too", ge=0, le=360, unit="degrees"
+    )
+
+
+class MeshingParams(StageParams):
+    """The wood's surface."""
+
+    sides: int = _number(10, "sides of the thickest ring", ge=3, le=64)
+    bark: str = _choice("auto", "bark texture: auto, or the path of a picture")
+
+
+class LeafParams(StageParams):
+    """Leaves (Particle Flows, section 8)."""
+
+    shape: Literal["auto", "broad", "lanceolate", "needle", "frond"] = _choice("auto", "the leaf's shape")
+
+
+class RenderParams(StageParams):
+    """Pictures of the finished tree."""
+
+    size: int = _number(768, "height and width of a picture", ge=16, le=8192, unit="px")
+
+
+class Params(StageParams):
+    """The parameters of all stages."""
+
+    photos: PhotoParams = PhotoParams()
+    matting: MattingParams = MattingParams()
+    attraction: AttractionParams = AttractionParams()
+    density: DensityParams = DensityParams()
+    field: FieldParams = FieldParams()
+    flow: FlowParams = FlowParams()
+    branches: BranchParams = BranchParams()
+    thickness: ThicknessParams = ThicknessParams()
+    twigs: TwigParams = TwigParams()
+    meshing: MeshingParams = MeshingParams()
+    leaves: LeafParams = LeafParams()
+    render: RenderParams = RenderParams()

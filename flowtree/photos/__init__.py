@@ -1,0 +1,1 @@
+"""Photographs: decoding, and where the tree stands in them."""

@@ -1,0 +1,1 @@
+"""The ordered table of stages: cache, progress, cancel, report."""

@@ -1,0 +1,1 @@
+"""A project on disk: photographs, mattes, strokes, painted edits, parameters."""

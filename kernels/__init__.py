@@ -1,0 +1,1 @@
+"""Warp kernels and wp.funcs, nothing else; installed as flowtree.kernels."""
