@@ -1,0 +1,123 @@
+"""Runs the table of stages."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from flowtree import check
+from flowtree.errors import CancelledError
+from flowtree.pipeline.cache import StageCache
+from flowtree.pipeline.digest import digest
+from flowtree.pipeline.stage import Job, Stage
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a run of stages left.
+
+    Attributes:
+        values: every value by its name; those with one entry a view are tuples.
+        seconds: that each stage took; close to 0 for what came from the cache.
+    """
+
+    values: dict[str, Any]
+    seconds: dict[str, float]
+
+
+class _Value(NamedTuple):
+    """A value and the fingerprint of all it was made from (not of the value itself: that would cost time)."""
+
+    data: Any
+    key: str
+
+
+def run_stages(
+    stages: Sequence[Stage],
+    sources: Mapping[str, Any],
+    job: Job,
+    *,
+    views: int,
+    cache: StageCache | None = None,
+    progress: Callable[[str, float], None] | None = None,
+    cancel: Callable[[], bool] | None = None,
+    until: str | None = None,
+) -> Run:
+    """Runs the stages in order, each on what those before it made.
+
+    A result is looked up by the fingerprint of the stage, its parameters and its inputs' fingerprints, so one
+    changed stroke runs again only what hangs on it.
+
+    Args:
+        stages: the table.
+        sources: values that no stage makes; one that a stage reads for each view is a tuple of one a view.
+        job: parameters, seed and device.
+        views: how many.
+        cache: results of earlier runs; equal views of one run share theirs even without.
+        progress: called with the stage's name and the share of the whole work done, 0..1, when a stage or one
+            of its views begins, and with 1 at the end.
+        cancel: asked before every stage and view; true stops the run.
+        until: the last stage to run; None runs all.
+
+    Raises:
+        CancelledError: ``cancel`` said so.
+        InputError: an input of a stage is at fault, or ``until`` names no stage.
+    """
+    known = [stage.name for stage in stages]
+    if until is not None:
+        remedy = check.nearest_name(until, known)
+        check.require(until in known, "until", "must be a stage", repr(until), remedy)
+        stages = stages[: known.index(until) + 1]
+    kept = StageCache() if cache is None else cache
+    per_view = {name for stage in stages if stage.each_view for name in (*stage.inputs, *stage.outputs)}
+    board: dict[str, Any] = {
+        name: tuple(_Value(v, digest(v)) for v in data) if name in per_view else _Value(data, digest(data))
+        for name, data in sources.items()
+    }
+    work, done = sum(stage.share for stage in stages), 0.0
+    seconds: dict[str, float] = {}
+    for stage in stages:
+        start = time.perf_counter()
+        turns = range(views) if stage.each_view else (None,)
+        results = []
+        for turn in turns:
+            if cancel is not None and cancel():
+                raise CancelledError(f"stopped before {stage.name}")
+            if progress is not None:
+                progress(stage.name, done / work)
+            inputs = [board[name] if turn is None else board[name][turn] for name in stage.inputs]
+            results.append(_run_one(stage, inputs, job, kept))
+            done += stage.share / len(turns)
+        for k, name in enumerate(stage.outputs):
+            board[name] = tuple(result[k] for result in results) if stage.each_view else results[0][k]
+        seconds[stage.name] = time.perf_counter() - start
+    if progress is not None:
+        progress(stages[-1].name, 1.0)
+    return Run({name: _data(value) for name, value in board.items()}, seconds)
+
+
+def _run_one(stage: Stage, inputs: Sequence[Any], job: Job, cache: StageCache) -> tuple[_Value, ...]:
+    """One stage, once: from the cache, or computed and kept."""
+    key = digest(
+        stage.name,
+        [_keys(value) for value in inputs],
+        {name: getattr(job.params, name) for name in stage.params},
+        job.seed if stage.seeded else None,
+        job.device,
+    )
+    results = cache.get(key)
+    if results is None:
+        made = stage.run(job, *(_data(value) for value in inputs))
+        results = made if len(stage.outputs) > 1 else (made,)
+        cache.put(key, results)
+    return tuple(_Value(data, f"{key}/{name}") for name, data in zip(stage.outputs, results, strict=True))
+
+
+def _data(value: Any) -> Any:
+    return value.data if isinstance(value, _Value) else tuple(each.data for each in value)
+
+
+def _keys(value: Any) -> Any:
+    return value.key if isinstance(value, _Value) else tuple(each.key for each in value)

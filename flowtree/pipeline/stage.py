@@ -1,0 +1,49 @@
+"""What a row of the table of stages says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from flowtree.params import Params
+
+
+@dataclass(frozen=True)
+class Job:
+    """What every stage may ask for besides its inputs.
+
+    Attributes:
+        params: of all stages; a stage may read only the sections its row names.
+        seed: of all random choices.
+        device: to run kernels on; None picks one.
+    """
+
+    params: Params
+    seed: int
+    device: str | None
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One row: a function, what it reads and what it makes.
+
+    Attributes:
+        name: in progress, report and errors.
+        run: called with the job and the inputs in order; returns one value per output (a tuple if several).
+        inputs: names of values; a value with one entry a view comes as a tuple of all of them.
+        outputs: names of the values it makes.
+        params: sections of the parameters it reads; others do not make it run again.
+        each_view: it runs once a view, every input being that view's own entry, and so is every output.
+        seeded: the seed changes its result.
+        share: of the time of a usual run, for the progress bar.
+    """
+
+    name: str
+    run: Callable[..., Any]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    params: tuple[str, ...] = ()
+    each_view: bool = False
+    seeded: bool = False
+    share: float = 1.0
