@@ -1,0 +1,145 @@
+"""Reads scribbles that say what is tree and what is not."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from flowtree import check
+from flowtree.model.photo import Photo
+from flowtree.params import PhotoParams
+from flowtree.photos.decode_picture import decode_picture
+from flowtree.photos.read_trimap import require_aspect
+
+_LABELS = {"tree": 1, "background": 2, "unknown": 3}
+_LARGEST_FILE = 64_000_000  # bytes of JSON
+_SUBPIXEL = 4  # fractional bits of cv2's drawing
+_STROKES = '{"strokes": [{"label": "tree", "width": 8, "points": [[x, y], …]}, …]}'
+
+
+def read_scribbles(
+    path: str | Path, photo: Photo, *, params: PhotoParams = PhotoParams()
+) -> NDArray[np.uint8]:
+    """Reads scribbles from a picture or, where the file's name ends in ``.json``, from JSON.
+
+    A picture has the photo's aspect (any size). Green or white is tree, red or black is background, blue is
+    unknown; a transparent pixel (alpha below one half), or any other grey, says nothing. Where strokes are
+    finer than the photo's pixels, the label that covers most of a pixel counts.
+
+    JSON is ``{"strokes": [{"label": "tree", "width": 8, "points": [[x, y], …]}, …]}`` with the labels "tree",
+    "background" and "unknown"; width and points are in pixels of the upright original photo, (0, 0) its upper
+    left corner. A stroke of one point is a dot; a later stroke covers an earlier one. A stroke may leave the
+    picture, but not lie wholly outside it.
+
+    Args:
+        path: the file.
+        photo: the photo it belongs to.
+        params: the cap on pixels.
+
+    Returns:
+        (h, w) uint8 of the photo's size: 0 nothing, 1 tree, 2 background, 3 unknown.
+
+    Raises:
+        InputError: no such file, malformed, another aspect than the photo's, a stroke outside, no stroke.
+    """
+    file = Path(path)
+    labels = _from_json(file, photo) if file.suffix.lower() == ".json" else _from_picture(file, photo, params)
+    drawn = bool(labels.any())
+    check.require(drawn, file.name, "needs at least one stroke", "none", "draw on the tree or beside it")
+    return labels
+
+
+def _from_picture(file: Path, photo: Photo, params: PhotoParams) -> NDArray[np.uint8]:
+    picture = decode_picture(file, side=None, params=params)
+    require_aspect(file.name, picture.rgb.shape[:2], photo)
+    red, green, blue = (picture.rgb[..., k].astype(np.int16) for k in range(3))
+    opaque = np.ones(red.shape, bool) if picture.alpha is None else picture.alpha >= 128
+    brightest = np.maximum(np.maximum(red, green), blue)
+    darkest = np.minimum(np.minimum(red, green), blue)
+    grey = brightest - darkest < 32
+    tree = ((green > red + 64) & (green > blue + 64)) | (grey & (darkest > 224))
+    background = ((red > green + 64) & (red > blue + 64)) | (grey & (brightest < 32))
+    unknown = (blue > red + 64) & (blue > green + 64)
+    strange = opaque & ~(tree | background | unknown | grey)
+    check.require(
+        2 * int(strange.sum()) <= int(opaque.sum()),
+        file.name,
+        "must be drawn in green or white (tree), red or black (background) and blue (unknown)",
+        "mostly other colours",
+        "draw on a transparent layer in those colours",
+    )
+    height, width = photo.rgb.shape[:2]
+    cover: NDArray[Any] = np.stack(
+        [(mask & opaque).astype(np.float32) for mask in (tree, background, unknown)], axis=2
+    )
+    shrinks = width <= cover.shape[1]
+    cover = cv2.resize(cover, (width, height), interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_NEAREST)
+    labels: NDArray[np.uint8] = (np.argmax(cover, axis=2) + 1).astype(np.uint8)
+    labels[cover.max(axis=2) < 1.0 / 32.0] = 0
+    return labels
+
+
+def _from_json(file: Path, photo: Photo) -> NDArray[np.uint8]:
+    check.require(file.is_file(), file.name, "must be a file of scribbles", "no such file", "check the path")
+    size = file.stat().st_size
+    check.require(size <= _LARGEST_FILE, file.name, "must be under 64 MB", f"{size} bytes", "draw less")
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:
+        check.fail(file.name, "must be JSON", f"something else ({error})", f"write {_STROKES}")
+    listed = isinstance(content, dict) and isinstance(content.get("strokes"), list)
+    check.require(
+        listed, file.name, 'must hold a list "strokes"', type(content).__name__, f"write {_STROKES}"
+    )
+    labels = np.zeros(photo.rgb.shape[:2], np.uint8)
+    for number, stroke in enumerate(content["strokes"]):
+        _draw(labels, stroke, f"{file.name}, stroke {number}", photo)
+    return labels
+
+
+def _draw(labels: NDArray[np.uint8], stroke: Any, name: str, photo: Photo) -> None:
+    """Draws one stroke of the JSON into the labels."""
+    check.require(
+        isinstance(stroke, dict), name, "must be an object", type(stroke).__name__, f"write {_STROKES}"
+    )
+    label, width, points = stroke.get("label"), stroke.get("width", 8), stroke.get("points")
+    known = isinstance(label, str) and label in _LABELS
+    check.require(known, name, f"needs a label ({', '.join(_LABELS)})", repr(label)[:40], "name one of them")
+    height_px, width_px = photo.rgb.shape[:2]
+    widest = (height_px + width_px) / photo.scale
+    wide = _is_number(width) and 0 < width <= widest
+    check.require(wide, name, f"needs a width from 0 to {widest:.0f}", repr(width)[:40], "give it in pixels")
+    pairs = isinstance(points, list) and len(points) > 0 and all(_is_pair(point) for point in points)
+    check.require(
+        pairs, name, "needs points [[x, y], …]", repr(points)[:40], "list at least one pair of numbers"
+    )
+    path = np.asarray(points, np.float64) * photo.scale
+    # Drawing is in fixed point: what lies this far out could only wrap around.
+    near = bool((np.abs(path) <= 100.0 * (height_px + width_px)).all())
+    layer = np.zeros_like(labels)
+    if near:
+        fixed = np.rint((path - 0.5) * 2**_SUBPIXEL).astype(np.int32).reshape(-1, 1, 2)
+        thick = max(1, round(width * photo.scale))
+        cv2.polylines(layer, [fixed], False, 1, thickness=thick, shift=_SUBPIXEL)
+    check.require(
+        bool(layer.any()),
+        name,
+        f"must touch the photo ({width_px / photo.scale:.0f} x {height_px / photo.scale:.0f})",
+        f"points from {np.min(points, axis=0).tolist()} to {np.max(points, axis=0).tolist()}",
+        "give them in pixels of the upright photo",
+    )
+    labels[layer > 0] = _LABELS[str(label)]
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _is_pair(value: Any) -> bool:
+    return isinstance(value, list) and len(value) == 2 and all(_is_number(number) for number in value)
