@@ -63,18 +63,18 @@ def soft_iou(
 def _borders(view: Camera, axis: str) -> NDArray[np.float64]:
     """The borders of a picture's columns (left to right) or rows (top to bottom) from the foot [m]."""
     count, foot = (view.width, view.foot[0]) if axis == "across" else (view.height, view.foot[1])
-    return (np.arange(count + 1) - foot) * view.metres_per_pixel
+    return np.asarray((np.arange(count + 1) - foot) * view.metres_per_pixel, np.float64)
 
 
 def _grid(borders: list[NDArray[np.float64]], cell: float) -> NDArray[np.float64]:
     """Borders of cells that cover all the given ones, with one at 0."""
     low = np.floor(min(b[0] for b in borders) / cell)
     high = np.ceil(max(b[-1] for b in borders) / cell)
-    return np.arange(low, high + 1) * cell
+    return np.asarray(np.arange(low, high + 1) * cell, np.float64)
 
 
 def _averages(borders: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.float64]:
     """(cells, pixels): the share of each cell that each pixel covers."""
     low = np.maximum(borders[None, :-1], grid[:-1, None])
     high = np.minimum(borders[None, 1:], grid[1:, None])
-    return np.clip(high - low, 0.0, None) / (grid[1] - grid[0])
+    return np.asarray(np.clip(high - low, 0.0, None) / (grid[1] - grid[0]), np.float64)
