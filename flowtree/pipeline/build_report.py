@@ -1,0 +1,150 @@
+"""What a reconstruction says about itself: ``report.json``."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from flowtree import __version__
+from flowtree.model.camera import Camera
+from flowtree.model.matte import Matte
+from flowtree.model.photo import Photo
+from flowtree.model.skeleton import Skeleton
+from flowtree.model.tree import TreeModel
+from flowtree.pipeline.compare_views import compare_views
+
+# Views of one tree scored 0.5 and more, views of different kinds of tree less (tests/pipeline).
+_ALIKE = 0.45
+# Shares of the picture below and above which a matte looks like a mistake.
+_LEAST_COVER, _MOST_COVER = 0.01, 0.9
+
+
+def build_report(
+    *,
+    photos: Sequence[Photo],
+    mattes: Sequence[Matte],
+    cameras: Sequence[Camera],
+    soft_ious: Sequence[float],
+    tree: TreeModel,
+    seconds: Mapping[str, float],
+    seed: int,
+    device: str,
+    warnings: Sequence[str],
+) -> dict[str, Any]:
+    """The report of DESIGN's form, of plain numbers, texts, lists and mappings.
+
+    Args:
+        photos: one a view.
+        mattes: one a view.
+        cameras: one a view.
+        soft_ious: of the tree with each view's matte.
+        tree: the result.
+        seconds: that each stage took.
+        seed: of the run.
+        device: that kernels ran on.
+        warnings: what the caller already found; those about the mattes are added.
+    """
+    views = [
+        {
+            "file": photo.name,
+            "yaw": camera.yaw,
+            "soft_iou": round(score, 4),
+            "matte": {
+                "method": matte.method,
+                "cover": round(float(matte.alpha.mean()), 4),
+                "width": camera.width,
+                "height": camera.height,
+                "metres_per_pixel": camera.metres_per_pixel,
+                "foot_pixel": [float(camera.foot[0]), float(camera.foot[1])],
+            },
+        }
+        for photo, matte, camera, score in zip(photos, mattes, cameras, soft_ious, strict=True)
+    ]
+    leaves = 0 if tree.foliage is None else len(tree.foliage.position)
+    return {
+        "version": __version__,
+        "seed": seed,
+        "device": device,
+        "seconds": {name: round(took, 3) for name, took in seconds.items()},
+        "peak_memory_mb": peak_memory_mb(),
+        "views": views,
+        "skeleton": _skeleton_figures(tree.skeleton),
+        "mesh": {
+            "triangles": len(tree.wood.triangles),
+            "vertices": len(tree.wood.positions),
+            "watertight": is_closed(tree),
+        },
+        "leaves": leaves,
+        "warnings": [*warnings, *_view_warnings(photos, mattes, cameras, tree.height)],
+    }
+
+
+def report_bytes(report: Mapping[str, Any]) -> bytes:
+    """The report as it stands in a file."""
+    return (json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
+
+
+def peak_memory_mb() -> float | None:
+    """The most memory this process ever held [MB]; None where the system does not say (Windows)."""
+    try:
+        import resource
+    except ImportError:
+        return None
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return round(most / (1e6 if sys.platform == "darwin" else 1e6 / 1024.0), 1)
+
+
+def is_closed(tree: TreeModel) -> bool:
+    """Whether every edge of the wood is shared by exactly two triangles that run along it in opposite ways.
+
+    Vertices at one place count as one: texture seams split them.
+    """
+    _, place = np.unique(tree.wood.positions, axis=0, return_inverse=True)
+    corners = place.reshape(-1)[tree.wood.triangles].astype(np.int64)
+    corners = corners[
+        (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
+    ]
+    edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
+    count = int(place.max(initial=0)) + 1
+    ahead, times = np.unique(edges[:, 0] * count + edges[:, 1], return_counts=True)
+    back = np.unique(edges[:, 1] * count + edges[:, 0])
+    return bool(len(ahead) > 0 and (times == 1).all() and np.array_equal(ahead, back))
+
+
+def _skeleton_figures(skeleton: Skeleton) -> dict[str, Any]:
+    parent = skeleton.parent
+    children = np.bincount(parent[1:], minlength=len(parent))
+    length = np.linalg.norm(skeleton.points[1:] - skeleton.points[parent[1:]], axis=1)
+    return {
+        "nodes": len(parent),
+        "tips": int((children == 0).sum()),
+        "branches": 1 + int(np.maximum(children - 1, 0).sum()),
+        "total_length_m": round(float(length.sum()), 3),
+        "trunk_radius_m": round(float(skeleton.radius[0]), 4),
+        "particles": int(skeleton.particles[0]),
+    }
+
+
+def _view_warnings(
+    photos: Sequence[Photo], mattes: Sequence[Matte], cameras: Sequence[Camera], height: float
+) -> list[str]:
+    warnings = []
+    for photo, matte in zip(photos, mattes, strict=True):
+        cover = float(matte.alpha.mean())
+        if cover < _LEAST_COVER:
+            warnings.append(f"{photo.name}: only {cover:.1%} of the picture was taken for tree")
+        if cover > _MOST_COVER:
+            warnings.append(f"{photo.name}: {cover:.0%} of the picture was taken for tree")
+    for a, b in combinations(range(len(photos)), 2):
+        alike = compare_views(mattes[a], cameras[a], mattes[b], cameras[b], height=height)
+        if alike < _ALIKE:
+            warnings.append(
+                f"{photos[a].name} and {photos[b].name} do not look like one tree: "
+                f"their profiles over height agree to {alike:.0%}"
+            )
+    return warnings

@@ -1,0 +1,36 @@
+"""Whether two mattes can be of one tree."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flowtree.model.camera import Camera
+from flowtree.model.matte import Matte
+
+_ROWS = 32
+# Opaque pixels would hold infinite depth: what one pixel can tell ends here.
+_MOST_ALPHA = 0.98
+
+
+def compare_views(
+    matte: Matte, camera: Camera, other: Matte, other_camera: Camera, *, height: float
+) -> float:
+    """How alike the two views' profiles of optical depth over height are: 1 equal, 0 nothing in common.
+
+    A level slice of a tree holds one amount of leaf and wood, from wherever it is seen, so the row sums of
+    optical depth agree between views of one tree. Each profile is taken as shares of its own total (photos
+    differ in contrast); the result is ``sum(min) / sum(max)`` over rows of 1/32 of the height.
+    """
+    first, second = (_profile(m, c, height) for m, c in ((matte, camera), (other, other_camera)))
+    return float(np.minimum(first, second).sum() / np.maximum(first, second).sum())
+
+
+def _profile(matte: Matte, camera: Camera, height: float) -> NDArray[np.float64]:
+    """(rows,) shares of the optical depth, from the foot up; of equal shares where there is none."""
+    depth = -np.log1p(-np.minimum(matte.alpha.astype(np.float64), _MOST_ALPHA)).sum(axis=1)
+    above = (camera.foot[1] - np.arange(camera.height) - 0.5) * camera.metres_per_pixel / height
+    inside = (above >= 0.0) & (above < 1.0)
+    sums = np.bincount((above[inside] * _ROWS).astype(int), depth[inside], minlength=_ROWS)
+    total = float(sums.sum())
+    return np.asarray(sums / total if total > 0 else np.full(_ROWS, 1.0 / _ROWS), np.float64)

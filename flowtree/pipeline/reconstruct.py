@@ -1,0 +1,197 @@
+"""From photographs to a tree, all stages in order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from flowtree import check
+from flowtree.device import pick_device
+from flowtree.model.attractor import AttractorGraph
+from flowtree.model.camera import Camera
+from flowtree.model.field import DirectionField
+from flowtree.model.matte import Matte
+from flowtree.model.photo import Photo
+from flowtree.model.skeleton import Skeleton
+from flowtree.model.traces import FlowTraces
+from flowtree.model.tree import TreeModel
+from flowtree.model.volume import DensityVolume
+from flowtree.params import Params
+from flowtree.pipeline.cache import StageCache
+from flowtree.pipeline.choose_yaws import choose_yaws
+from flowtree.pipeline.digest import digest
+from flowtree.pipeline.build_report import build_report
+from flowtree.pipeline.run_stages import run_stages
+from flowtree.pipeline.stage import Job
+from flowtree.pipeline.table import STAGES
+
+_DEFAULT_HEIGHT = 10.0  # [m]
+_HIGHEST = 200.0  # [m]; the highest tree on earth has 116
+
+File = str | PathLike[str]
+# What belongs to single photos: by the photo's number, or in the photos' order.
+PerPhoto = Mapping[int, Any] | Sequence[Any] | None
+
+
+@dataclass(frozen=True)
+class Reconstruction:
+    """Everything a reconstruction made; what has one entry a view is in the views' order.
+
+    Attributes:
+        photos: at the working resolution; a lone photo's mirror image is the second.
+        mattes: with painted edits applied.
+        cameras: one a view.
+        volume: the density.
+        graphs: the attractor graph of each view.
+        fields: the direction field of each view.
+        traces: of the particles.
+        skeleton: with radii and twigs.
+        tree: the result.
+        report: what ``report.json`` says.
+    """
+
+    photos: tuple[Photo, ...]
+    mattes: tuple[Matte, ...]
+    cameras: tuple[Camera, ...]
+    volume: DensityVolume
+    graphs: tuple[AttractorGraph, ...]
+    fields: tuple[DirectionField, ...]
+    traces: FlowTraces
+    skeleton: Skeleton
+    tree: TreeModel
+    report: dict[str, Any]
+
+
+def reconstruct(
+    photos: Sequence[File | Photo],
+    *,
+    yaws: Sequence[float] | None = None,
+    height: float | None = None,
+    params: Params = Params(),
+    seed: int = 0,
+    mattes: PerPhoto = None,
+    strokes: PerPhoto = None,
+    trimaps: PerPhoto = None,
+    scribbles: PerPhoto = None,
+    paint: PerPhoto = None,
+    progress: Callable[[str, float], None] | None = None,
+    cancel: Callable[[], bool] | None = None,
+    cache: StageCache | None = None,
+    device: str | None = None,
+) -> Reconstruction:
+    """Makes a tree from one or more photographs of it (Particle Flows).
+
+    What belongs to single photos is given in their order (None for nothing), or by the photo's number from 0;
+    each is a file or what the stage that reads such a file returns.
+
+    Args:
+        photos: files, or photos already read. One alone is completed by its mirror image, 90 degrees round.
+        yaws: from where each was taken [degrees]; left out, they spread evenly over half a turn.
+        height: of the tree [m]; left out, 10 is assumed.
+        params: of all stages.
+        seed: other seeds give similar, different trees.
+        mattes: made elsewhere: pictures or arrays (h, w) in 0..1 of the working size, used as they are.
+        strokes: drawn branches, as optional attractors.
+        trimaps: what is tree, background and unknown.
+        scribbles: strokes on tree and background.
+        paint: painted edits.
+        progress: called with a stage's name and the share of the whole work done, 0..1.
+        cancel: asked again and again; true stops the work.
+        cache: results of earlier calls; pass the same one each time to repeat only what changed.
+        device: "cpu" or "cuda"; None picks.
+
+    Returns: views, volume, traces, skeleton, tree and report.
+
+    Raises:
+        InputError: a photo, file, number or parameter that breaks its rule; the message names it.
+        CancelledError: ``cancel`` said so.
+    """
+    check.require(
+        not isinstance(photos, str | bytes | PathLike | Photo),
+        "photos",
+        "must be a list",
+        repr(photos)[:60],
+        "put it in a list, such as [photo]",
+    )
+    count = len(photos)
+    turns = choose_yaws(count, yaws)
+    metres = _DEFAULT_HEIGHT if height is None else height
+    tall = check.array(metres, "height", shape=(), low=0.01, high=_HIGHEST)
+    whole = isinstance(seed, int) and 0 <= seed < 2**63
+    check.require(whole, "seed", "must be a whole number from 0", repr(seed), "give another")
+    views = len(turns)
+    given = {
+        "photo_source": [photo if isinstance(photo, Photo) else Path(photo) for photo in photos],
+        "matte_source": _per_photo(mattes, count, "mattes"),
+        "trimap_source": _per_photo(trimaps, count, "trimaps"),
+        "scribbles_source": _per_photo(scribbles, count, "scribbles"),
+        "strokes_source": _per_photo(strokes, count, "strokes"),
+        "paint_source": _per_photo(paint, count, "paint"),
+    }
+    bark = params.meshing.bark
+    sources = {
+        **{name: tuple(values * views if count == 1 else values) for name, values in given.items()},
+        "mirrored": tuple(view >= count for view in range(views)),
+        "yaw": turns,
+        "height": (float(tall),) * views,
+        "bark_source": None if bark == "auto" else Path(bark),
+    }
+    warnings = _warnings(given["photo_source"], height)
+    chosen = pick_device(device)
+    job = Job(params=params, seed=seed, device=chosen)
+    run = run_stages(STAGES, sources, job, views=views, cache=cache, progress=progress, cancel=cancel)
+    made = run.values
+    report = build_report(
+        photos=made["photos"],
+        mattes=made["mattes"],
+        cameras=made["cameras"],
+        soft_ious=made["soft_ious"],
+        tree=made["tree"],
+        seconds=run.seconds,
+        seed=seed,
+        device=chosen,
+        warnings=warnings,
+    )
+    return Reconstruction(
+        photos=made["photos"],
+        mattes=made["mattes"],
+        cameras=made["cameras"],
+        volume=made["volume"],
+        graphs=made["graphs"],
+        fields=made["fields"],
+        traces=made["traces"],
+        skeleton=made["skeleton"],
+        tree=made["tree"],
+        report=report,
+    )
+
+
+def _per_photo(values: PerPhoto, count: int, name: str) -> list[Any]:
+    """One entry a photo, files as paths."""
+    entries: list[Any] = [None] * count
+    pairs = values.items() if isinstance(values, Mapping) else enumerate(values or ())
+    for photo, value in pairs:
+        check.require(
+            photo in range(count),
+            name,
+            f"must belong to a photo, 0 to {count - 1}",
+            f"photo {photo}",
+            "name one of the photos, counted from 0",
+        )
+        entries[photo] = Path(value) if isinstance(value, str | PathLike) else value
+    return entries
+
+
+def _warnings(photos: Sequence[Path | Photo], height: float | None) -> list[str]:
+    """What was assumed because it was not given."""
+    warnings = []
+    if len(photos) == 1:
+        warnings.append("one photo: its mirror image is the second view, from 90 degrees further round")
+    if height is None:
+        warnings.append(f"no height given: {_DEFAULT_HEIGHT:g} m is assumed")
+    if len(photos) > 1 and len({digest(photo) for photo in photos}) < len(photos):
+        warnings.append("the same photo is given for several views")
+    return warnings

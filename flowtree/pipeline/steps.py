@@ -1,0 +1,227 @@
+"""Fits the stages' functions to the table: from the values on the board to their arguments."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flowtree import check
+from flowtree.attraction.bend_direction_field import bend_direction_field
+from flowtree.attraction.build_direction_field import build_direction_field
+from flowtree.attraction.read_strokes import read_strokes
+from flowtree.attraction.trace_attractor_graph import trace_attractor_graph
+from flowtree.branches.build_skeleton import build_skeleton
+from flowtree.branches.da_vinci_radii import da_vinci_radii
+from flowtree.branches.grow_twigs import grow_twigs
+from flowtree.branches.measure_trunk import measure_trunk
+from flowtree.density.solve_density import solve_density
+from flowtree.flow.trace_particles import trace_particles
+from flowtree.foliage.place_leaves import place_leaves
+from flowtree.matting.extract_matte import extract_matte
+from flowtree.matting.paint_matte import paint_matte
+from flowtree.meshing.load_bark import load_bark
+from flowtree.meshing.measure_bark import measure_bark
+from flowtree.meshing.paint_bark import paint_bark
+from flowtree.meshing.sweep_rings import sweep_rings
+from flowtree.model.attractor import AttractorGraph
+from flowtree.model.camera import Camera
+from flowtree.model.edit import PaintedEdit
+from flowtree.model.field import DirectionField
+from flowtree.model.foliage import Foliage
+from flowtree.model.matte import Matte
+from flowtree.model.mesh import Material, TreeMesh
+from flowtree.model.photo import Photo
+from flowtree.model.skeleton import Skeleton
+from flowtree.model.traces import FlowTraces
+from flowtree.model.tree import TreeModel
+from flowtree.model.volume import DensityVolume
+from flowtree.photos.frame_view import frame_view
+from flowtree.photos.load_photo import load_photo
+from flowtree.photos.mirror_photo import mirror_photo
+from flowtree.photos.read_painted_edit import read_painted_edit
+from flowtree.photos.read_scribbles import read_scribbles
+from flowtree.photos.read_trimap import read_trimap
+from flowtree.pipeline.stage import Job
+from flowtree.render.render_view import render_mask
+from flowtree.render.soft_iou import soft_iou
+
+Polylines = tuple[NDArray[np.float32], ...]
+
+
+def run_photos(job: Job, source: Path | Photo, matte: Path | NDArray[np.float32] | None) -> Photo:
+    """One photo, with a matte made elsewhere as its alpha channel."""
+    photo = source if isinstance(source, Photo) else load_photo(source, params=job.params.photos)
+    if matte is None:
+        return photo
+    return replace(photo, alpha=_given_alpha(job, photo, matte))
+
+
+def _given_alpha(job: Job, photo: Photo, matte: Path | NDArray[np.float32]) -> NDArray[np.float32]:
+    """A matte made elsewhere: an array, or a picture whose alpha channel, else its grey, is the alpha."""
+    if isinstance(matte, Path):
+        picture = load_photo(matte, params=job.params.photos)
+        grey = picture.rgb.astype(np.float32).mean(axis=2) / 255.0
+        thing, alpha = matte.name, grey if picture.alpha is None else picture.alpha
+    else:
+        thing, alpha = f"matte of {photo.name}", matte
+    return check.array(alpha, thing, shape=photo.rgb.shape[:2], low=0.0, high=1.0)
+
+
+def run_matting(job: Job, photo: Photo, trimap: Any, scribbles: Any) -> Matte:
+    """One alpha matte, steered by what is given."""
+    if isinstance(trimap, Path):
+        trimap = read_trimap(trimap, photo, params=job.params.photos)
+    if isinstance(scribbles, Path):
+        scribbles = read_scribbles(scribbles, photo, params=job.params.photos)
+    return extract_matte(photo, trimap=trimap, scribbles=scribbles, params=job.params.matting)
+
+
+def run_painting(
+    job: Job,
+    photo: Photo,
+    matte: Matte,
+    paint: Path | PaintedEdit | None,
+    strokes: Path | Polylines | None,
+    mirrored: bool,
+) -> tuple[Photo, Matte, PaintedEdit, Polylines]:
+    """Applies what a person drew; a mirrored view is mirrored here, with everything drawn on its photo."""
+    del job
+    edit = read_painted_edit(paint, photo) if isinstance(paint, Path) else paint or PaintedEdit()
+    lines = read_strokes(strokes, photo) if isinstance(strokes, Path) else tuple(strokes or ())
+    painted = paint_matte(matte, edit)
+    if not mirrored:
+        return photo, painted, edit, lines
+    width = photo.rgb.shape[1]
+    flipped = PaintedEdit(
+        add=_flip(edit.add),
+        erase=_flip(edit.erase),
+        directions=tuple(_flip_line(line, width) for line in edit.directions),
+        reach=edit.reach,
+    )
+    painted = replace(painted, alpha=_flip(painted.alpha), foreground=_flip(painted.foreground))
+    return mirror_photo(photo), painted, flipped, tuple(_flip_line(line, width) for line in lines)
+
+
+def _flip(picture: Any) -> Any:
+    return None if picture is None else np.ascontiguousarray(picture[:, ::-1])
+
+
+def _flip_line(line: NDArray[np.float32], width: int) -> NDArray[np.float32]:
+    return np.stack([np.float32(width) - line[:, 0], line[:, 1]], axis=1)
+
+
+def run_framing(job: Job, matte: Matte, yaw: float, height: float) -> Camera:
+    """One camera: the matte's foot and top set the scale."""
+    del job
+    return frame_view(matte, yaw=yaw, height=height)
+
+
+def run_density(job: Job, mattes: tuple[Matte, ...], cameras: tuple[Camera, ...]) -> DensityVolume:
+    """The volume that all views agree on."""
+    return solve_density(mattes, cameras, params=job.params.density)
+
+
+def run_attraction(
+    job: Job, photo: Photo, matte: Matte, camera: Camera, strokes: Polylines
+) -> AttractorGraph:
+    """The attractor graph of one view."""
+    params = job.params.attraction
+    return trace_attractor_graph(photo, matte, camera, strokes=strokes, params=params, seed=job.seed)
+
+
+def run_fields(job: Job, graph: AttractorGraph, camera: Camera, edit: PaintedEdit) -> DirectionField:
+    """The direction field of one view, bent by painted directions."""
+    field = build_direction_field(graph, camera, params=job.params.field)
+    return bend_direction_field(field, camera, edit)
+
+
+def run_flow(job: Job, volume: DensityVolume, fields: tuple[DirectionField, ...]) -> FlowTraces:
+    """The particles' joined paths."""
+    return trace_particles(volume, fields, params=job.params.flow, seed=job.seed, device=job.device)
+
+
+def run_branches(
+    job: Job, traces: FlowTraces, mattes: tuple[Matte, ...], cameras: tuple[Camera, ...]
+) -> Skeleton:
+    """The skeleton with radii: the trunk's is the median of what the views show."""
+    bare = build_skeleton(traces, params=job.params.branches)
+    seen = [measure_trunk(matte, camera) for matte, camera in zip(mattes, cameras, strict=True)]
+    radii = [radius for radius in seen if radius is not None]
+    trunk = float(np.median(radii)) if radii else None
+    return da_vinci_radii(bare, trunk_radius=trunk, params=job.params.thickness)
+
+
+def run_twigs(
+    job: Job,
+    branches: Skeleton,
+    volume: DensityVolume,
+    mattes: tuple[Matte, ...],
+    cameras: tuple[Camera, ...],
+) -> Skeleton:
+    """The skeleton with twigs."""
+    return grow_twigs(branches, volume, mattes, cameras, params=job.params.twigs, seed=job.seed)
+
+
+def run_meshing(job: Job, skeleton: Skeleton) -> TreeMesh:
+    """The wood's surface."""
+    return sweep_rings(skeleton, params=job.params.meshing, device=job.device)
+
+
+def run_bark(
+    job: Job,
+    branches: Skeleton,
+    mattes: tuple[Matte, ...],
+    cameras: tuple[Camera, ...],
+    picture: Path | None,
+) -> Material:
+    """The given bark, or one painted in the trunk's colour."""
+    if picture is not None:
+        return load_bark(picture)
+    color = measure_bark(branches, mattes, cameras)
+    return paint_bark(color, seed=job.seed)
+
+
+def run_foliage(
+    job: Job,
+    skeleton: Skeleton,
+    volume: DensityVolume,
+    mattes: tuple[Matte, ...],
+    cameras: tuple[Camera, ...],
+) -> Foliage | None:
+    """The leaves, if the tree has any."""
+    return place_leaves(
+        skeleton, volume, mattes, cameras, params=job.params.leaves, seed=job.seed, device=job.device
+    )
+
+
+def run_assembly(
+    job: Job,
+    skeleton: Skeleton,
+    wood: TreeMesh,
+    bark: Material,
+    foliage: Foliage | None,
+    heights: tuple[float, ...],
+) -> TreeModel:
+    """Everything together."""
+    del job
+    return TreeModel(name="tree", height=heights[0], skeleton=skeleton, wood=wood, bark=bark, foliage=foliage)
+
+
+def run_fidelity(
+    job: Job, tree: TreeModel, mattes: tuple[Matte, ...], cameras: tuple[Camera, ...]
+) -> tuple[float, ...]:
+    """Soft IoU of the tree with each view's matte (see `soft_iou`)."""
+    return tuple(
+        soft_iou(
+            render_mask(tree, camera, params=job.params.render, device=job.device),
+            camera,
+            matte.alpha,
+            camera,
+            height=tree.height,
+        )
+        for matte, camera in zip(mattes, cameras, strict=True)
+    )
