@@ -1,0 +1,1 @@
+"""The tests: mirrors flowtree/ and kernels/."""
