@@ -20,10 +20,10 @@ from flowtree.model.traces import FlowTraces
 from flowtree.model.tree import TreeModel
 from flowtree.model.volume import DensityVolume
 from flowtree.params import Params
+from flowtree.pipeline.build_report import build_report
 from flowtree.pipeline.cache import StageCache
 from flowtree.pipeline.choose_yaws import choose_yaws
 from flowtree.pipeline.digest import digest
-from flowtree.pipeline.build_report import build_report
 from flowtree.pipeline.run_stages import run_stages
 from flowtree.pipeline.stage import Job
 from flowtree.pipeline.table import STAGES

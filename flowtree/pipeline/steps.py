@@ -168,7 +168,7 @@ def run_twigs(
 
 def run_meshing(job: Job, skeleton: Skeleton) -> TreeMesh:
     """The wood's surface."""
-    return sweep_rings(skeleton, params=job.params.meshing, device=job.device)
+    return sweep_rings(skeleton, params=job.params.meshing)
 
 
 def run_bark(
