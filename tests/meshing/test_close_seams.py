@@ -1,0 +1,56 @@
+import numpy as np
+
+from flowtree.meshing.close_seams import close_seams, is_watertight
+from flowtree.meshing.sweep_rings import sweep_rings
+from flowtree.model.mesh import TreeMesh
+from tests.skeletons import random_skeleton
+
+
+def tetrahedron(shift=0.0):
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], np.float32) + np.float32(shift)
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    return corners, faces
+
+
+def mesh_of(positions, triangles):
+    n = len(positions)
+    return TreeMesh(
+        positions=np.asarray(positions, np.float32),
+        normals=np.tile(np.float32([0, 1, 0]), (n, 1)),
+        uvs=np.zeros((n, 2), np.float32),
+        triangles=np.asarray(triangles, np.int32),
+    )
+
+
+def test_twins_become_one_vertex():
+    corners, faces = tetrahedron()
+    split = np.where(faces == 3, np.array([[3], [3], [4], [3]]), faces)
+    positions, triangles = close_seams(mesh_of([*corners, corners[3]], split))
+    assert len(positions) == 4
+    assert is_watertight(triangles)
+    assert not is_watertight(np.asarray(split, np.int32))
+
+
+def test_coincident_pieces_stay_apart():
+    corners, faces = tetrahedron()
+    positions, triangles = close_seams(mesh_of([*corners, *corners], [*faces, *(faces + 4)]))
+    assert len(positions) == 8
+    assert is_watertight(triangles)
+
+
+def test_a_hole_a_flipped_and_a_collapsed_triangle_are_found():
+    _, faces = tetrahedron()
+    assert is_watertight(faces.astype(np.int32))
+    assert not is_watertight(faces[1:].astype(np.int32))
+    flipped = faces.copy()
+    flipped[0] = flipped[0, ::-1]
+    assert not is_watertight(flipped.astype(np.int32))
+    collapsed = np.concatenate([faces, [[0, 0, 1]]])
+    assert not is_watertight(collapsed.astype(np.int32))
+    assert not is_watertight(np.zeros((0, 3), np.int32))
+
+
+def test_the_surface_itself_does_not_change():
+    mesh = sweep_rings(random_skeleton(2, 80))
+    positions, triangles = close_seams(mesh)
+    assert np.array_equal(positions[triangles], mesh.positions[mesh.triangles])
