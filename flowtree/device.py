@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any
@@ -17,7 +17,7 @@ from flowtree import check
 
 wp.config.log_level = wp.LOG_ERROR  # its greeting belongs to no output of ours
 # Below this many indices a second core costs more than it saves: a launch alone costs about 9 microseconds.
-_SPLIT_FROM = 512
+_SPLIT_FROM = 4096
 
 
 def pick_device(name: str | None = None) -> str:
@@ -65,27 +65,45 @@ def zeros(shape: int | tuple[int, ...], dtype: Any, device: str) -> Any:
     return wp.zeros(shape, dtype=dtype, device=device)
 
 
-def launch(kernel: Any, count: int, inputs: Sequence[Any], outputs: Sequence[Any], *, device: str) -> None:
+def sort_pairs(keys: Any, values: Any, count: int) -> None:
+    """Sorts the first ``count`` int32 keys in place and their values with them, keeping equal keys in order.
+
+    Both arrays hold ``2 * count``: the second half is the sort's working space.
+    """
+    wp.utils.radix_sort_pairs(keys, values, count)
+
+
+def launch(
+    kernel: Any,
+    count: int,
+    inputs: Sequence[Any],
+    outputs: Sequence[Any],
+    *,
+    device: str,
+    split_from: int = _SPLIT_FROM,
+) -> None:
     """Runs a one-dimensional kernel over ``count`` indices, on all cores when the device is the CPU.
 
     The kernel's first argument is its first index (``i = first + wp.tid()``): that is how a range is split.
     Each index is computed exactly as it would be alone, so the number of cores does not change a byte.
+    Fewer indices than ``split_from`` stay on one core: less where each index is much work.
     """
     if count <= 0:
         return
-    threads = 1 if device != "cpu" or count < _SPLIT_FROM else min(thread_count(), count)
+    threads = 1 if device != "cpu" or count < split_from else min(thread_count(), count)
     arguments = [*inputs, *outputs]
     if threads == 1:
         wp.launch(kernel, dim=count, inputs=[0, *arguments], device=device)
         return
     # The first launch of a module compiles it: that must not happen in two threads at once.
     wp.load_module(kernel.module, device=device)
-    bounds = np.linspace(0, count, threads + 1).astype(int)
+    bounds = [count * k // threads for k in range(threads + 1)]
+    pool = _pool(threads - 1)
     jobs = [
-        _pool(threads).submit(wp.launch, kernel, dim=int(b - a), inputs=[int(a), *arguments], device=device)
-        for a, b in pairwise(bounds)
+        pool.submit(wp.launch, kernel, dim=b - a, inputs=[a, *arguments], device=device)
+        for a, b in pairwise(bounds[:-1])
     ]
-    wait(jobs)
+    wp.launch(kernel, dim=count - bounds[-2], inputs=[bounds[-2], *arguments], device=device)
     for job in jobs:
         job.result()
 

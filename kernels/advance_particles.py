@@ -1,0 +1,139 @@
+"""One step of the flow: force, and the classical Runge-Kutta method (Particle Flows, section 6, equation 2)."""
+
+import warp as wp
+
+from flowtree.kernels.flow_fields import FlowFields, flow_direction
+
+wp.set_module_options({"enable_backward": False})
+
+
+@wp.struct
+class TimeGrid:
+    """Free-flow times at the points of a box, for pacing.
+
+    time: (nx, ny, nz) [m] of way.
+    corner: [m], of point (0, 0, 0).
+    spacing: of the points [m].
+    """
+
+    time: wp.array3d[float]
+    corner: wp.vec3
+    spacing: float
+
+
+@wp.struct
+class FlowForces:
+    """What acts on a particle besides the fields.
+
+    attraction: weight of the pull to the nearest neighbour, at distance 0.
+    attraction_radius: where it ends [m].
+    response: time in which a single particle takes on the wanted velocity [m of way at unit speed].
+    inertia: exponent of the mass in that time.
+    pace: change of speed for each metre of way that a particle is late [1/m].
+    """
+
+    attraction: float
+    attraction_radius: float
+    response: float
+    inertia: float
+    pace: float
+
+
+@wp.func
+def free_flow_time(times: TimeGrid, at: wp.vec3):
+    """Trilinear value; points outside take the value at the border."""
+    place = (at - times.corner) / times.spacing
+    x = wp.clamp(place[0], 0.0, float(times.time.shape[0]) - 1.001)
+    y = wp.clamp(place[1], 0.0, float(times.time.shape[1]) - 1.001)
+    z = wp.clamp(place[2], 0.0, float(times.time.shape[2]) - 1.001)
+    i = int(x)
+    j = int(y)
+    k = int(z)
+    a = x - float(i)
+    b = y - float(j)
+    c = z - float(k)
+    near = (times.time[i, j, k] * (1.0 - a) + times.time[i + 1, j, k] * a) * (1.0 - b) + (
+        times.time[i, j + 1, k] * (1.0 - a) + times.time[i + 1, j + 1, k] * a
+    ) * b
+    far = (times.time[i, j, k + 1] * (1.0 - a) + times.time[i + 1, j, k + 1] * a) * (1.0 - b) + (
+        times.time[i, j + 1, k + 1] * (1.0 - a) + times.time[i + 1, j + 1, k + 1] * a
+    ) * b
+    return near * (1.0 - c) + far * c
+
+
+@wp.func
+def acceleration(
+    fields: FlowFields,
+    forces: FlowForces,
+    at: wp.vec3,
+    velocity: wp.vec3,
+    neighbour: wp.vec3,
+    speed: float,
+    rate: float,
+):
+    """Force over mass: what turns the velocity into the wanted one."""
+    wanted = wp.normalize(flow_direction(fields, at))
+    gap = neighbour - at
+    distance = wp.length(gap)
+    if distance > 0.0 and distance < forces.attraction_radius:
+        wanted += gap * (forces.attraction * (1.0 - distance / forces.attraction_radius) / distance)
+    return (wanted * speed - velocity) * rate
+
+
+@wp.kernel
+def advance_particles(
+    # in:
+    first: int,
+    position: wp.array[wp.vec3],  # [m]
+    velocity: wp.array[wp.vec3],  # [m] per unit of time
+    mass: wp.array[float],
+    state: wp.array[int],  # 0 waits, 1 moves, 2 has joined another, 3 has arrived
+    nearest: wp.array[int],
+    start_time: wp.array[float],  # [m], free-flow time of the start
+    fields: FlowFields,
+    forces: FlowForces,
+    times: TimeGrid,
+    front: float,  # [m], free-flow time at which particles should be now
+    step: float,  # of time [m at unit speed]
+    arrival: float,  # [m], closer to the foot than this is there
+    number: int,  # of the step
+    # out:
+    position_out: wp.array[wp.vec3],
+    velocity_out: wp.array[wp.vec3],
+    state_out: wp.array[int],
+    begin_step_out: wp.array[int],  # the step in which it set off; written where that happens
+    end_step_out: wp.array[int],  # the step that saw it arrive; written where that happens
+):
+    """Moves every particle by one step of the classical fourth-order Runge-Kutta method.
+
+    The nearest neighbour's place is taken as it was at the beginning of the step.
+    """
+    i = first + wp.tid()
+    x = position[i]
+    v = velocity[i]
+    now = state[i]
+    if now == 0 and start_time[i] >= front:
+        now = 1
+        begin_step_out[i] = number
+    if now == 1:
+        neighbour = x
+        if nearest[i] >= 0:
+            neighbour = position[nearest[i]]
+        speed = wp.clamp(1.0 + forces.pace * (free_flow_time(times, x) - front), 0.4, 2.0)
+        rate = 1.0 / (forces.response * wp.pow(mass[i], forces.inertia))
+        v1 = v
+        a1 = acceleration(fields, forces, x, v1, neighbour, speed, rate)
+        v2 = v + 0.5 * step * a1
+        a2 = acceleration(fields, forces, x + 0.5 * step * v1, v2, neighbour, speed, rate)
+        v3 = v + 0.5 * step * a2
+        a3 = acceleration(fields, forces, x + 0.5 * step * v2, v3, neighbour, speed, rate)
+        v4 = v + step * a3
+        a4 = acceleration(fields, forces, x + step * v3, v4, neighbour, speed, rate)
+        x += step / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4)
+        v += step / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
+        if wp.length(x) < arrival:
+            now = 3
+            end_step_out[i] = number + 1
+    position_out[i] = x
+    velocity_out[i] = v
+    state_out[i] = now

@@ -1,0 +1,89 @@
+"""The direction fields of all views, and what they say at a point of the world (Particle Flows, section 7)."""
+
+import warp as wp
+
+wp.set_module_options({"enable_backward": False})
+
+
+@wp.struct
+class FlowFields:
+    """Fields of equal resolution, one a view, and how to put them together.
+
+    vectors: (views, rows, columns), in the view's plane (image-right, up); row 0 is the lowest.
+    corner: (views,) [m], lower left corner of cell (0, 0).
+    cell: (views,) [m], width and height of a cell.
+    right: (views,) image-right in the world.
+    combine: brings the sum of the views' world vectors to their average.
+    route: (nx, ny, nz) unit vectors along the shortest way to the foot, at the points of a box.
+    route_corner: [m], of point (0, 0, 0).
+    route_spacing: of the points [m].
+    pull: cosine between field and route above which the field is followed; below its negative the route is.
+    basin: [m], nearer to the foot than this, and under the ground, the straight way to the foot takes over, so
+        that nobody flows past it.
+    """
+
+    vectors: wp.array3d[wp.vec2]
+    corner: wp.array[wp.vec2]
+    cell: wp.array[wp.vec2]
+    right: wp.array[wp.vec3]
+    combine: wp.mat33
+    route: wp.array3d[wp.vec3]
+    route_corner: wp.vec3
+    route_spacing: float
+    pull: float
+    basin: float
+
+
+@wp.func
+def view_vector(fields: FlowFields, view: int, at: wp.vec3):
+    """Bilinear value of one view's field; points outside take the value at its border."""
+    rows = fields.vectors.shape[1]
+    columns = fields.vectors.shape[2]
+    u = (wp.dot(fields.right[view], at) - fields.corner[view][0]) / fields.cell[view][0] - 0.5
+    v = (at[1] - fields.corner[view][1]) / fields.cell[view][1] - 0.5
+    u = wp.clamp(u, 0.0, float(columns - 1))
+    v = wp.clamp(v, 0.0, float(rows - 1))
+    j = wp.min(int(u), columns - 2)
+    i = wp.min(int(v), rows - 2)
+    a = u - float(j)
+    b = v - float(i)
+    low = fields.vectors[view, i, j] * (1.0 - a) + fields.vectors[view, i, j + 1] * a
+    high = fields.vectors[view, i + 1, j] * (1.0 - a) + fields.vectors[view, i + 1, j + 1] * a
+    return low * (1.0 - b) + high * b
+
+
+@wp.func
+def route_vector(fields: FlowFields, at: wp.vec3):
+    """Trilinear value of the route; points outside take the value at its border."""
+    place = (at - fields.route_corner) / fields.route_spacing
+    x = wp.clamp(place[0], 0.0, float(fields.route.shape[0]) - 1.001)
+    y = wp.clamp(place[1], 0.0, float(fields.route.shape[1]) - 1.001)
+    z = wp.clamp(place[2], 0.0, float(fields.route.shape[2]) - 1.001)
+    i = int(x)
+    j = int(y)
+    k = int(z)
+    a = x - float(i)
+    b = y - float(j)
+    c = z - float(k)
+    near = (fields.route[i, j, k] * (1.0 - a) + fields.route[i + 1, j, k] * a) * (1.0 - b) + (
+        fields.route[i, j + 1, k] * (1.0 - a) + fields.route[i + 1, j + 1, k] * a
+    ) * b
+    far = (fields.route[i, j, k + 1] * (1.0 - a) + fields.route[i + 1, j, k + 1] * a) * (1.0 - b) + (
+        fields.route[i, j + 1, k + 1] * (1.0 - a) + fields.route[i + 1, j + 1, k + 1] * a
+    ) * b
+    return near * (1.0 - c) + far * c
+
+
+@wp.func
+def flow_direction(fields: FlowFields, at: wp.vec3):
+    """Average of the views' vectors and the pull to the basis, not normalised."""
+    total = wp.vec3(0.0, 0.0, 0.0)
+    for view in range(fields.vectors.shape[0]):
+        vector = view_vector(fields, view, at)
+        total += fields.right[view] * vector[0] + wp.vec3(0.0, vector[1], 0.0)
+    free = wp.min(wp.length(at) / fields.basin, 1.0) * wp.clamp(1.0 + at[1] / fields.basin, 0.0, 1.0)
+    along = wp.normalize(fields.combine * total)
+    route = route_vector(fields, at)
+    trust = wp.clamp(0.5 + 0.5 * wp.dot(along, route) / fields.pull, 0.0, 1.0)
+    along = along * trust + route * (1.0 - trust)
+    return along * free - wp.normalize(at) * (1.0 - free)
