@@ -60,6 +60,12 @@ class AttractionParams(StageParams):
     seed_count: int = _number(28, "seed points on the silhouette", ge=0, le=2000)
     seed_mode: Literal["farthest", "random"] = _choice("farthest", "how the silhouette's seeds are spread")
     automatic: bool = _choice(True, "trace the automatic graph even where strokes are given")
+    grid_height: int = _number(
+        240, "the tree's height in the small picture that is searched for paths", ge=32, le=1024, unit="px"
+    )
+    merging: float = _number(
+        0.4, "how much cheaper a path becomes where another has run; more makes flatter forks", ge=0, le=0.9
+    )
 
 
 class FieldParams(StageParams):
@@ -83,14 +89,47 @@ class DensityParams(StageParams):
     """The density volume (Particle Flows, section 5)."""
 
     resolution: int = _number(64, "voxels along the tree's height", ge=4, le=512)
-    carve: float = _number(0.01, "voxels of a smaller initial alpha are empty", ge=0, le=1)
+    carve: float = _number(0.01, "voxels whose smallest footprint mean is below this are empty", ge=0, le=1)
     iterations: int = _number(40, "rounds of the least-squares solver", ge=0, le=1000)
+    balance: float = _number(
+        1.0, "largest relative correction of a row's total depth toward the other views'", ge=0, le=10
+    )
 
 
 class FlowParams(StageParams):
     """Particle tracing (Particle Flows, section 6)."""
 
     particle_count: int = _number(2000, "particles released in the crown", ge=1, le=5_000_000)
+    step: float = _number(
+        0.006, "length of a time step at unit speed", ge=0.0005, le=0.1, unit="tree heights"
+    )
+    attraction: float = _number(0.6, "weight of the pull to the nearest neighbour", ge=0, le=20)
+    attraction_radius: float = _number(
+        0.08, "distance at which neighbours stop attracting", ge=0, le=1, unit="tree heights"
+    )
+    join_distance: float = _number(
+        0.008, "two single particles nearer than this join", gt=0, le=0.5, unit="tree heights"
+    )
+    join_growth: float = _number(
+        0.0006,
+        "what the square root of a pair's mass adds to the joining distance: thick limbs take in their neighbours",
+        ge=0,
+        le=0.1,
+        unit="tree heights",
+    )
+    basis_pull: float = _number(
+        0.4,
+        "cosine between field and the way to the foot below which the pull to the foot mixes in",
+        ge=0.01,
+        le=1,
+    )
+    response: float = _number(
+        0.02, "time in which a single particle takes a new direction", ge=0.001, le=1, unit="tree heights"
+    )
+    inertia: float = _number(0.15, "exponent of the mass in that time", ge=0, le=1)
+    pace: float = _number(
+        15.0, "how strongly late particles hurry so that all reach the trunk together", ge=0, le=100
+    )
 
 
 class ThicknessParams(StageParams):
@@ -123,20 +162,42 @@ class TwigParams(StageParams):
 class MeshingParams(StageParams):
     """The wood's surface."""
 
-    sides: int = _number(10, "sides of the thickest ring", ge=3, le=64)
-    bark: str = _choice("auto", "bark texture: auto, or the path of a picture")
+    sides: int = _number(12, "sides of the thickest ring; even, or 3", ge=3, le=64)
+    root_flare: float = _number(
+        0.35, "by how much the trunk widens at the ground", ge=0, le=3, unit="trunk radii"
+    )
+    bark: str = _choice(
+        "auto", "bark texture: auto, furrowed, smooth, plated, ringed, or the path of a picture"
+    )
+    bark_scale: float = _number(
+        0.6, "length of bark that the texture shows; it repeats beyond", gt=0.001, le=20, unit="m"
+    )
 
 
 class LeafParams(StageParams):
     """Leaves (Particle Flows, section 8)."""
 
-    shape: Literal["auto", "broad", "lanceolate", "needle", "frond"] = _choice("auto", "the leaf's shape")
+    shape: Literal["auto", "broad", "lanceolate", "needle", "frond", "compound", "blossom"] = _choice(
+        "auto", "the leaf's shape"
+    )
+    picture: str | None = _choice(None, "PNG of a leaf with alpha, its stalk's end at the bottom centre")
 
 
 class RenderParams(StageParams):
     """Pictures of the finished tree."""
 
     size: int = _number(768, "height and width of a picture", ge=16, le=8192, unit="px")
+    samples: int = _number(3, "rays along each side of a pixel", ge=1, le=8)
+    sun_azimuth: float = _number(
+        -40.0,
+        "where the sun stands, from behind the viewer's back to the right",
+        ge=-180,
+        le=180,
+        unit="degrees",
+    )
+    sun_elevation: float = _number(48.0, "height of the sun over the horizon", ge=1, le=90, unit="degrees")
+    sun: float = _number(2.6, "brightness of the sun; a sky of 1 lights a white wall fully", ge=0, le=20)
+    sky: float = _number(0.9, "brightness of the sky", ge=0, le=20)
 
 
 class Params(StageParams):
