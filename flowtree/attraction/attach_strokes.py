@@ -1,0 +1,82 @@
+"""Drawn branches join the attractor graph."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+from skimage.graph import MCP_Geometric
+
+from flowtree.attraction.growing_tree import GrowingTree
+from flowtree.geometry.polylines import drop_repeats, subdivide_polyline
+
+_TOUCH = 0.012  # of the height: strokes nearer than this touch
+_SPACING = 0.0075  # of the height: nodes along a stroke
+_SEARCHES = 16  # Dijkstra searches at most, however many strokes there are
+_UPPER = 0.6  # an upper end is the branch's base only if it is this much cheaper to reach than the lower one
+
+_Array = NDArray[np.float64]
+
+
+def attach_strokes(
+    tree: GrowingTree, cost: NDArray[np.float64], strokes: Sequence[_Array], *, tall: float
+) -> None:
+    """Adds every stroke to the tree exactly as drawn.
+
+    A stroke that touches the tree, or a stroke already in it, joins there, and in both directions if it
+    touches in its middle. The others are joined one by one, the nearest first, by a livewire path from the
+    end that is the cheaper one to reach; of two similar ends the lower one.
+
+    Args:
+        tree: holds at least its root; gets the strokes.
+        cost: (h, w) per cell.
+        strokes: polylines (k, 2) [cells].
+        tall: the tree's height [cells].
+    """
+    waiting = [subdivide_polyline(drop_repeats(stroke), _SPACING * tall) for stroke in strokes]
+    together = max(1, -(-len(waiting) // _SEARCHES))
+    while waiting:
+        waiting = _attach_touching(tree, waiting, _TOUCH * tall)
+        if not waiting:
+            return
+        search = MCP_Geometric(cost)
+        total, _ = search.find_costs(np.argwhere(tree.node_at >= 0))
+        waiting = [_nearer_end_first(tree, stroke, total) for stroke in waiting]
+        prices = [float(total[tree.cell_of(stroke[0])]) for stroke in waiting]
+        chosen = sorted(range(len(waiting)), key=lambda k: prices[k])[:together]
+        for k in chosen:
+            node = tree.add_path(search.traceback(tree.cell_of(waiting[k][0]))[:-1])
+            tree.add_line(node, waiting[k])
+        waiting = [stroke for k, stroke in enumerate(waiting) if k not in chosen]
+
+
+def _attach_touching(tree: GrowingTree, waiting: list[_Array], touch: float) -> list[_Array]:
+    """Attaches the strokes that touch the tree, and those that touch them; returns the others."""
+    attached = True
+    while attached and waiting:
+        attached = False
+        nodes = cKDTree(np.array(tree.points))
+        left = []
+        for stroke in waiting:
+            distance, node = nodes.query(stroke)
+            nearest = min((0, len(stroke) - 1), key=lambda k: distance[k])
+            if distance[nearest] > touch:
+                nearest = int(distance.argmin())
+            if distance[nearest] > touch:
+                left.append(stroke)
+                continue
+            at = tree.add(int(node[nearest]), stroke[nearest], drawn=True)
+            tree.add_line(at, stroke[nearest + 1 :])
+            tree.add_line(at, stroke[:nearest][::-1])
+            attached = True
+        waiting = left
+    return waiting
+
+
+def _nearer_end_first(tree: GrowingTree, stroke: _Array, total: NDArray[np.float64]) -> _Array:
+    """The stroke, turned so that it begins at its base."""
+    lower, upper = (stroke, stroke[::-1]) if stroke[0, 1] >= stroke[-1, 1] else (stroke[::-1], stroke)
+    cheaper = total[tree.cell_of(upper[0])] < _UPPER * total[tree.cell_of(lower[0])]
+    return upper if cheaper else lower

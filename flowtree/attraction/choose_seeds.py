@@ -1,0 +1,84 @@
+"""Where livewire paths begin."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from flowtree.attraction.cut_working_grid import WorkingGrid
+from flowtree.attraction.outline_crown import CrownOutline
+
+_SNAP = 0.03  # of the height: how far a seed moves from the closed outline to the twig behind it
+
+_GROUND = 0.04  # of the height above the foot: no seeds in grass
+_UNDERSIDE = 0.75  # cosine: an outline that faces down more steeply is the crown's underside
+
+
+def choose_seeds(
+    grid: WorkingGrid,
+    crown: CrownOutline,
+    *,
+    count: int,
+    mode: Literal["farthest", "random"],
+    rng: np.random.Generator,
+) -> NDArray[np.intp]:
+    """Seed cells on the silhouette of the crown (Particle Flows, section 4).
+
+    The paper draws them at random; ``farthest`` spreads them instead: each is the point of the silhouette
+    farthest from all before it, from the crown's top on. Every seed then moves to the densest cell near it.
+
+    Returns: (k, 2) (row, column), k <= count, the most telling first.
+    """
+    rim = _silhouette(crown, grid.tall)
+    if count == 0 or len(rim) == 0:
+        return np.zeros((0, 2), np.intp)
+    if mode == "random":
+        picked = rim[rng.choice(len(rim), size=min(count, len(rim)), replace=False)]
+        picked = picked[np.argsort(picked[:, 0], kind="stable")]
+    else:
+        picked = rim[spread_points(rim, count)]
+    snapped = _snap(picked, grid)
+    _, first = np.unique(snapped, axis=0, return_index=True)
+    return snapped[np.sort(first)]
+
+
+def spread_points(points: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """Indices (k,) of farthest-point sampling over the points (n, 2), from the first point on."""
+    order = [0]
+    distance = np.linalg.norm(points - points[0], axis=1)
+    while len(order) < min(count, len(points)):
+        following = int(distance.argmax())
+        if distance[following] <= 0.0:
+            break
+        order.append(following)
+        distance = np.minimum(distance, np.linalg.norm(points - points[following], axis=1))
+    return np.array(order, np.intp)
+
+
+def _silhouette(crown: CrownOutline, tall: float) -> NDArray[np.intp]:
+    """The rim cells (n, 2) of the crown, top row first; the stem's sides are no place for a seed."""
+    shape = np.pad(crown.shape, 1)
+    rim = (shape & ~ndimage.binary_erosion(shape))[1:-1, 1:-1]
+    # The underside of a crown carries few branches: no seeds where the outline faces the ground.
+    blurred = ndimage.gaussian_filter(crown.shape.astype(np.float64), max(1.0, 0.02 * tall))
+    down, right = np.gradient(blurred)
+    underside = -down > _UNDERSIDE * np.hypot(down, right) + 1e-12
+    cells = np.argwhere(rim & ~underside)
+    in_crown = cells[cells[:, 0] <= min(crown.base, crown.foot - _GROUND * tall)]
+    return in_crown if len(in_crown) else cells[:1]
+
+
+def _snap(cells: NDArray[np.intp], grid: WorkingGrid) -> NDArray[np.intp]:
+    reach = max(1, round(_SNAP * grid.tall))
+    offset = np.mgrid[-reach : reach + 1, -reach : reach + 1].reshape(2, -1).T
+    offset = offset[np.linalg.norm(offset, axis=1) <= reach]
+    near = cells[:, None, :] + offset[None, :, :]
+    inside = np.clip(near, 0, np.array(grid.alpha.shape) - 1)
+    worth = (
+        np.minimum(grid.alpha[inside[..., 0], inside[..., 1]], 0.5)
+        - 0.3 * np.linalg.norm(offset, axis=1) / reach
+    )
+    return np.asarray(inside[np.arange(len(cells)), worth.argmax(axis=1)])

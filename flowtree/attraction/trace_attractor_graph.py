@@ -1,0 +1,160 @@
+"""Livewire attractor graphs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import ndimage
+from skimage.graph import MCP_Geometric
+
+from flowtree import check
+from flowtree.attraction.attach_strokes import attach_strokes
+from flowtree.attraction.choose_seeds import choose_seeds
+from flowtree.attraction.cut_working_grid import cut_working_grid
+from flowtree.attraction.grow_paths import grow_paths
+from flowtree.attraction.growing_tree import GrowingTree
+from flowtree.attraction.outline_crown import CrownOutline, outline_crown
+from flowtree.attraction.shape_branches import shape_branches
+from flowtree.attraction.weigh_structures import weigh_structures
+from flowtree.geometry.polylines import drop_repeats
+from flowtree.geometry.projection import pixels_to_plane
+from flowtree.model.attractor import AttractorGraph
+from flowtree.model.camera import Camera
+from flowtree.model.matte import Matte
+from flowtree.model.photo import Photo
+from flowtree.params import AttractionParams
+
+_CROWDED = 0.03  # of the height: an automatic seed this near to a drawn branch would only double it
+_BARRED = 10.0  # times dearer: the stem below a given first fork
+
+_Array = NDArray[np.float64]
+
+
+def trace_attractor_graph(
+    photo: Photo,
+    matte: Matte,
+    camera: Camera,
+    *,
+    strokes: Sequence[ArrayLike] = (),
+    seeds: ArrayLike | None = None,
+    target: tuple[float, float] | None = None,
+    params: AttractionParams = AttractionParams(),
+    seed: int = 0,
+) -> AttractorGraph:
+    """Traces the main branches visible in one view by livewire (Particle Flows, section 4).
+
+    Unlike the paper, the seeds are spread over the silhouette (``params.seed_mode`` "random" is the paper's
+    way), later paths are drawn to earlier ones, and the graph is smoothed: a path of pixels turns by 45
+    degrees at every step. Where picture and matte show no branches the crown's depth and a weak random
+    disturbance decide, which gives a plain skeleton of that crown.
+
+    Args:
+        photo: the picture.
+        matte: of the same size.
+        camera: of the view; only its foot and scale are used.
+        strokes: polylines (k, 2) [working pixels] that become branches exactly as drawn. With
+            ``params.automatic`` off they (and ``seeds``) are the whole graph.
+        seeds: (n, 2) [working pixels], besides the ``params.seed_count`` automatic ones.
+        target: (x, y) [working pixels] of the stem's first fork, to which all paths lead; None is the foot.
+        params: see `AttractionParams`.
+        seed: of the random seeds and the disturbance; same seed, same bytes.
+
+    Returns: nodes at most about 1.5 % of the tree's height apart; the root at (0, 0).
+
+    Raises:
+        InputError: an empty matte, a size that differs from the photo's, a stroke of one point, seeds or
+        target
+            outside the picture, NaN, nothing to trace at all.
+    """
+    lines = [_line(stroke, k) for k, stroke in enumerate(strokes)]
+    given = _inside(np.zeros((0, 2)) if seeds is None else seeds, camera, "seeds")
+    fork = None if target is None else _inside([target], camera, "target")[0]
+    automatic = params.seed_count if params.automatic or not lines else 0
+    check.require(
+        bool(lines) or len(given) > 0 or automatic > 0,
+        "seeds",
+        "need at least one seed or stroke",
+        "none",
+        "raise attraction.seed_count, or draw a stroke",
+    )
+    rng = np.random.default_rng(seed)
+    marks = np.concatenate([[camera.foot], given, *lines, *([] if fork is None else [fork[None, :]])])
+    grid = cut_working_grid(photo, matte, marks, params.grid_height)
+    foot = grid.to_cells([camera.foot])[0]
+    tree = GrowingTree(grid, foot)
+    root = tree.cell_of(foot)
+    crown = outline_crown(grid, root[0])
+    cost = weigh_structures(grid, crown, rng)
+    goal = root
+    if fork is not None:
+        goal = tree.cell_of(grid.to_cells(fork[None, :])[0])
+        cost = _raise_stem(tree, cost, root, goal, grid.tall)
+    attach_strokes(tree, cost, [grid.to_cells(line) for line in lines], tall=grid.tall)
+    found = choose_seeds(grid, crown, count=automatic, mode=params.seed_mode, rng=rng)
+    found = _away_from_strokes(found, tree, _CROWDED * grid.tall)
+    grow_paths(
+        tree,
+        cost,
+        np.concatenate([found, grid.cell_at(grid.to_cells(given))]),
+        target=goal,
+        tall=grid.tall,
+        limbs=_limb_count(crown),
+        merging=params.merging,
+    )
+    parent, points = shape_branches(tree, grid.tall)
+    plane = pixels_to_plane(grid.to_pixels(points), camera).astype(np.float32)
+    plane[0] = 0.0  # exactly: rounding is no part of the foot
+    return AttractorGraph(parent, plane)
+
+
+def _line(stroke: ArrayLike, number: int) -> _Array:
+    thing = f"stroke {number}"
+    line = drop_repeats(check.array(stroke, thing, shape=(None, 2), dtype=np.float64))
+    check.require(
+        len(line) >= 2, thing, "needs two different points", f"{len(line)}", "draw it longer or leave it out"
+    )
+    return line
+
+
+def _inside(points: ArrayLike, camera: Camera, thing: str) -> _Array:
+    flat = check.array(points, thing, shape=(None, 2), dtype=np.float64)
+    inside = ((flat >= 0.0) & (flat <= (camera.width, camera.height))).all(axis=1)
+    check.require(
+        bool(inside.all()),
+        thing,
+        f"must lie inside the picture of {camera.width} x {camera.height} pixels",
+        flat[~inside][:1].tolist(),
+        "give (x, y) in pixels of the working picture",
+    )
+    return np.asarray(flat, np.float64)
+
+
+def _limb_count(crown: CrownOutline) -> int:
+    """A spire has one leader; the rounder a crown, the more main limbs."""
+    return 1 if crown.narrowness > 0.5 else 4
+
+
+def _raise_stem(
+    tree: GrowingTree, cost: _Array, root: tuple[int, int], goal: tuple[int, int], tall: float
+) -> _Array:
+    """Joins the first fork to the foot and returns the costs that keep other paths off this stem."""
+    search = MCP_Geometric(cost)
+    search.find_costs([root], [goal])
+    path = search.traceback(goal)
+    tree.add_path(path)
+    stem = np.zeros(cost.shape, np.bool_)
+    stem[tuple(np.array(path).T)] = True
+    rows, columns = np.indices(cost.shape)
+    from_fork = np.hypot(rows - goal[0], columns - goal[1])
+    near = (ndimage.distance_transform_edt(~stem) < 0.03 * tall) & (from_fork > 0.03 * tall)
+    return np.where(near, _BARRED * cost, cost)
+
+
+def _away_from_strokes(seeds: NDArray[np.intp], tree: GrowingTree, apart: float) -> NDArray[np.intp]:
+    drawn = np.array(tree.points)[1:][tree.drawn[1:]]
+    if len(drawn) == 0 or len(seeds) == 0:
+        return seeds
+    distance = np.linalg.norm((seeds[:, None, ::-1] + 0.5) - drawn[None, :, :], axis=2).min(axis=1)
+    return np.asarray(seeds[distance > apart])

@@ -1,0 +1,122 @@
+"""What a livewire path pays in every cell: little along visible branches, much outside the tree."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+from skimage.filters import sato
+
+from flowtree.attraction.cut_working_grid import WorkingGrid
+from flowtree.attraction.outline_crown import CrownOutline
+
+_THICKEST = 0.08  # of the height: half width up to which an opaque part can be a limb
+_GROUND = 0.05  # of the height: how high grass and shadows reach
+
+_Map = NDArray[np.float64]
+
+
+def weigh_structures(grid: WorkingGrid, crown: CrownOutline, rng: np.random.Generator) -> _Map:
+    """Cost per cell (h, w) of a path, > 0 and finite.
+
+    Four readings are combined: ridges of the matte (twigs before the sky), ridges of the picture's lightness
+    in both directions (dark limbs between leaves, the white stem of a birch), the stem's own colour where it
+    differs from the leaves', and the depth inside the crown, which alone is left where the picture shows
+    nothing.
+
+    Args:
+        grid: the working picture.
+        crown: its filled shape.
+        rng: draws a weak smooth disturbance, so that a path through a uniform crown is no straight wire.
+    """
+    wood = _stem_likeness(grid, crown)
+    middle, thickness = _middle_of_limbs(grid)
+    thick = thickness > 2.5
+    # A ridge filter also answers along the inner edges of a thick stem: there only its middle counts.
+    ridge = _ridges(grid.alpha, grid.tall) * np.where(thick, middle**1.5, 1.0)
+    limb = middle**2 * (thick & (thickness < _THICKEST * grid.tall)) * np.clip(2.0 * wood, 0.0, 1.0)
+    picture = _picture_ridges(grid) * (0.2 + 0.8 * wood)
+    ridge = np.maximum(np.maximum(ridge, picture), 0.9 * limb)
+    evidence = np.clip(ridge * (0.5 + 0.5 * wood) + 0.35 * np.maximum(0.0, 2.0 * wood - 1.0), 0.0, 1.0)
+    evidence *= np.clip(grid.alpha * 1.5, 0.0, 1.0)
+    # Deep inside the crown a path is free; along its edge it pays up to four times as much.
+    depth = np.minimum(crown.depth, 0.15) / 0.15
+    inside = 1.0 + 3.0 * (1.0 - depth) ** 2
+    empty = 1.0 + 2.5 * (1.0 - np.clip(2.0 * ndimage.gaussian_filter(grid.alpha, 0.6), 0.0, 1.0))
+    outside = np.where(crown.shape, 1.0, 8.0)
+    # Just above the ground only the stem is sure to be tree: the rest may be grass or a shadow.
+    rows = np.arange(grid.alpha.shape[0])[:, None]
+    outside = outside * np.where(rows > crown.foot - _GROUND * grid.tall, 3.0, 1.0)
+    cost = inside * empty * outside * _disturbance(grid.alpha.shape, grid.tall, rng)
+    return np.asarray(cost * (1.0 - evidence) ** 2 + 0.12, np.float64)
+
+
+def _middle_of_limbs(grid: WorkingGrid) -> tuple[_Map, _Map]:
+    """How near the middle of its limb a cell lies, 0 at the edge to 1, and the limb's half width [cells].
+
+    The half width is the radius of the largest disc inside the opaque matte that covers the cell.
+    """
+    depth = ndimage.distance_transform_edt(np.pad(grid.alpha > 0.5, 1))[1:-1, 1:-1]
+    half = np.asarray(depth, np.float64)
+    radius = 2.0
+    while radius <= min(float(depth.max()), 1.3 * _THICKEST * grid.tall):
+        half[ndimage.distance_transform_edt(depth < radius) < radius] = radius
+        radius *= 1.3
+    half = np.maximum(half, depth)
+    return np.where(half > 0.0, depth / np.maximum(half, 1e-9), 0.0), half
+
+
+def _ridges(values: NDArray[np.float32], tall: float) -> _Map:
+    """Bright ridges at three scales, 0..1; an ideal ridge of contrast 1 gives about 1."""
+    return np.clip(_tubes(values, [0.004 * tall, 0.009 * tall, 0.018 * tall]) / 0.25, 0.0, 1.0)
+
+
+def _picture_ridges(grid: WorkingGrid) -> _Map:
+    """Ridges of lightness against its surroundings inside the matte, dark and bright alike, 0..1."""
+    sigma = 0.05 * grid.tall
+    weight = ndimage.gaussian_filter(grid.alpha, sigma) + 1e-3
+    light = grid.lab[..., 0]
+    around = ndimage.gaussian_filter(light * grid.alpha, sigma) / weight
+    # Outside the tree the difference is nothing: the matte's edge is no ridge of the picture.
+    difference = (light - around) * grid.alpha
+    spread = float(np.sqrt((difference**2).sum() / max(1.0, float(grid.alpha.sum())))) + 2.0
+    difference = difference / spread
+    sigmas = [0.008 * grid.tall, 0.016 * grid.tall]
+    return np.clip(np.maximum(_tubes(difference, sigmas), _tubes(-difference, sigmas)) / 0.8, 0.0, 1.0)
+
+
+def _tubes(values: NDArray[np.float32], sigmas: list[float]) -> _Map:
+    """Sato's filter for bright lines, the strongest answer of all scales [cells]."""
+    answer = sato(values, sigmas=sigmas, black_ridges=False, mode="nearest")  # type: ignore[no-untyped-call]
+    return np.asarray(answer, np.float64)
+
+
+def _stem_likeness(grid: WorkingGrid, crown: CrownOutline) -> _Map:
+    """How much a cell's colour is the stem's rather than the crown's, 0..1; 0.5 where they look the same."""
+    rows = np.arange(grid.alpha.shape[0])[:, None]
+    solid = grid.alpha > 0.6
+    stem = solid & crown.shape & (rows > crown.base + 0.01 * grid.tall)
+    leaves = solid & crown.shape & (rows < crown.base - 0.05 * grid.tall)
+    if stem.sum() < 20 or leaves.sum() < 20:
+        return np.full(grid.alpha.shape, 0.5)
+    near, far = _color_distance(grid.lab, stem), _color_distance(grid.lab, leaves)
+    likeness = 1.0 / (1.0 + np.exp(np.clip(near - far, -20.0, 20.0)))
+    # One cell's colour is noise: only what its neighbours confirm counts.
+    return np.asarray(ndimage.gaussian_filter(likeness, 0.004 * grid.tall), np.float64)
+
+
+def _color_distance(lab: NDArray[np.float32], sample: NDArray[np.bool_]) -> _Map:
+    """Negative log likelihood (h, w) of each colour under a Gaussian around the sample's median colour."""
+    colors = lab[sample].astype(np.float64)
+    middle = np.median(colors, axis=0)
+    spread = 1.48 * np.median(np.abs(colors - middle), axis=0) + 4.0
+    return np.asarray(0.5 * (((lab - middle) / spread) ** 2).sum(axis=2) + np.log(spread).sum(), np.float64)
+
+
+def _disturbance(shape: tuple[int, ...], tall: float, rng: np.random.Generator) -> _Map:
+    """A smooth random factor around 1 (h, w), with waves of a few hundredths of the height."""
+    noise = np.zeros(shape)
+    for sigma in (0.015 * tall, 0.04 * tall):
+        wave = ndimage.gaussian_filter(rng.standard_normal(shape), sigma, mode="wrap")
+        noise += wave / (wave.std() + 1e-12)
+    return np.asarray(np.exp(0.22 * noise), np.float64)
