@@ -135,7 +135,7 @@ class FlowParams(StageParams):
 class ThicknessParams(StageParams):
     """Da Vinci radii (Particle Flows, section 8)."""
 
-    da_vinci: float = _number(1.0, "the constant a in r² = a Σ rᵢ²", ge=1.0, le=2.0)
+    da_vinci: float = _number(1.0, "the constant a in r² = a Σ rᵢ² at forks", ge=1.0, le=1.2)
     trunk_radius: float | None = _number(
         None,
         "radius of the trunk above its foot; left out, it is measured in the photos",
@@ -143,12 +143,28 @@ class ThicknessParams(StageParams):
         le=20,
         unit="m",
     )
+    slenderness: float = _number(
+        0.018, "radius of a trunk that no photo shows", gt=0, le=0.2, unit="tree heights"
+    )
+    thinnest: float = _number(0.0002, "radius of the thinnest branch", ge=0, le=0.01, unit="tree heights")
 
 
 class BranchParams(StageParams):
     """From traces to branches."""
 
+    stride: int = _number(3, "steps of the flow between two nodes of a branch", ge=1, le=50)
     smoothing: int = _number(6, "rounds of smoothing; 0 leaves branches chiselled", ge=0, le=100)
+    least_angle: float = _number(
+        28.0, "forks narrower than this are moved to where the branches part", ge=0, le=80, unit="degrees"
+    )
+    shortest: float = _number(0.008, "shorter side branches are dropped", ge=0, le=0.5, unit="tree heights")
+    limb_radius: float = _number(
+        0.02,
+        "rough radius of the trunk, to find side branches that end inside their limb",
+        ge=0,
+        le=0.2,
+        unit="tree heights",
+    )
 
 
 class TwigParams(StageParams):
@@ -166,8 +182,9 @@ class MeshingParams(StageParams):
     root_flare: float = _number(
         0.35, "by how much the trunk widens at the ground", ge=0, le=3, unit="trunk radii"
     )
-    bark: str = _choice(
-        "auto", "bark texture: auto, furrowed, smooth, plated, ringed, or the path of a picture"
+    bark: str = _choice("auto", "bark texture: auto, or the path of a picture")
+    bark_style: Literal["auto", "furrowed", "smooth", "plated", "ringed"] = _choice(
+        "auto", "the painted bark's habit; auto goes by its colour"
     )
     bark_scale: float = _number(
         0.6, "length of bark that the texture shows; it repeats beyond", gt=0.001, le=20, unit="m"

@@ -1,0 +1,50 @@
+"""Removes what ends inside the wood."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flowtree.geometry.parent_array import levels, main_child, sum_to_root
+
+
+def prune_branches(
+    parent: NDArray[np.int32],
+    points: NDArray[np.float64],
+    own: NDArray[np.int32],
+    *,
+    shortest: float,
+    limb: float,
+) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.int32]]:
+    """Drops side branches that are too short to leave the limb they grow from.
+
+    Args:
+        parent: (n,).
+        points: (n, 3) [m].
+        own: (n,) particles that set off at each node; those of a dropped branch are given to its fork.
+        shortest: side branches shorter than this go [m].
+        limb: rough radius of the trunk [m]; a limb of p of all P particles has ``limb * sqrt(p / P)``, and a
+            side branch must be longer than twice that, besides ``shortest``.
+
+    Returns: parent, points and own of what is left.
+    """
+    particles = sum_to_root(parent, own)
+    carries_on = main_child(parent, particles)
+    depth_levels = levels(parent)
+    segment = np.linalg.norm(points - points[np.maximum(parent, 0)], axis=1)
+    reach = np.zeros(len(parent))  # from the node to the farthest tip behind it
+    for nodes in reversed(depth_levels[1:]):
+        np.maximum.at(reach, parent[nodes], reach[nodes] + segment[nodes])
+    radius = limb * np.sqrt(particles / max(int(particles[0]), 1))
+    above = np.maximum(parent, 0)
+    side = (parent >= 0) & (carries_on[above] != np.arange(len(parent)))
+    gone = side & (reach + segment < shortest + 2 * radius[above])
+    home = np.arange(len(parent))  # the node that keeps a dropped node's particles
+    for nodes in depth_levels[1:]:
+        inherits = gone[parent[nodes]]
+        gone[nodes] |= inherits
+        home[nodes] = np.where(gone[nodes], home[parent[nodes]], nodes)
+    index = np.cumsum(~gone) - 1
+    kept = np.bincount(index[home], weights=own, minlength=int((~gone).sum())).astype(np.int32)
+    stays = parent[~gone]
+    return np.where(stays >= 0, index[stays], -1).astype(np.int32), points[~gone], kept
