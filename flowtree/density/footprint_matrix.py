@@ -14,7 +14,8 @@ def footprint_matrix(
 ) -> sparse.csr_array:
     """Mean path length [m] of a row of view cells through every voxel of a horizontal slice.
 
-    With level orthographic cameras every height slice is its own two-dimensional problem with this one matrix.
+    With level orthographic cameras every height slice is its own two-dimensional problem with this one
+    matrix.
     A square voxel of edge ``cell`` seen from yaw t casts a trapezoid: the convolution of two boxes of widths
     ``cell |cos t|`` and ``cell |sin t|``; its integral over each view cell is exact.
 

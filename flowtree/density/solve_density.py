@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from flowtree import check
 from flowtree.density.footprint_matrix import footprint_matrix
 from flowtree.density.view_depth import footprint_means, optical_depth
-from flowtree.geometry.projection import view_axes
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 from flowtree.model.volume import DensityVolume
@@ -28,11 +27,11 @@ def solve_density(
     equation (Particle Flows, equation 1) is linear: along a ray the extinctions add up to the optical depth
     ``-ln(1 - alpha)``.
 
-    Deviations: two views leave the system underdetermined, and the iteration keeps whatever its start holds in
-    the null space. It therefore starts, not from the minimum, but from the product of the views' optical depths
-    over the sum of their row (the choice of maximum entropy: what one view shows is spread over the other's
-    profile). Rows of two views that do not hold the same total are first brought to their mean total, for a
-    level slice of one tree has only one; ``params.balance`` limits the correction.
+    Deviations: two views leave the system underdetermined, and the iteration keeps whatever its start holds
+    in the null space. It therefore starts, not from the minimum, but from the product of the views' optical
+    depths over the sum of their row (the choice of maximum entropy: what one view shows is spread over the
+    other's profile). Rows of two views that do not hold the same total are first brought to their mean total,
+    for a level slice of one tree has only one; ``params.balance`` limits the correction.
 
     Args:
         mattes: one for each view, at least two.
@@ -137,7 +136,7 @@ def _least_squares(
     empty: NDArray[np.bool_],
     iterations: int,
 ) -> NDArray[np.float64]:
-    """Simultaneous iterative reconstruction: residuals over path lengths go back, negative values become 0."""
+    """Simultaneous iterative reconstruction: residuals over path lengths go back, negative becomes 0."""
     lengths = [np.maximum(np.asarray(m.sum(axis=1)), 1e-9)[:, None] for m in matrices]
     spread = np.sum([np.asarray(m.sum(axis=0)) for m in matrices], axis=0)[:, None]
     filled = ~empty
