@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -46,8 +47,10 @@ from flowtree.photos.read_painted_edit import read_painted_edit
 from flowtree.photos.read_scribbles import read_scribbles
 from flowtree.photos.read_trimap import read_trimap
 from flowtree.pipeline.stage import Job
-from flowtree.render.render_view import render_mask
+from flowtree.render.render_mask import render_mask
 from flowtree.render.soft_iou import soft_iou
+
+_MASK_HEIGHT = 256  # [pixels]
 
 Polylines = tuple[NDArray[np.float32], ...]
 
@@ -214,14 +217,22 @@ def run_assembly(
 def run_fidelity(
     job: Job, tree: TreeModel, mattes: tuple[Matte, ...], cameras: tuple[Camera, ...]
 ) -> tuple[float, ...]:
-    """Soft IoU of the tree with each view's matte (see `soft_iou`)."""
-    return tuple(
-        soft_iou(
-            render_mask(tree, camera, params=job.params.render, device=job.device),
-            camera,
-            matte.alpha,
-            camera,
-            height=tree.height,
-        )
-        for matte, camera in zip(mattes, cameras, strict=True)
+    """Soft IoU of the tree with each view's matte (see `soft_iou`), from a picture just fine enough."""
+    scores = []
+    for matte, camera in zip(mattes, cameras, strict=True):
+        small = _smaller(camera)
+        mask = render_mask(tree, small, device=job.device)
+        scores.append(soft_iou(mask, small, matte.alpha, camera, height=tree.height))
+    return tuple(scores)
+
+
+def _smaller(camera: Camera) -> Camera:
+    """The same view, ``_MASK_HEIGHT`` pixels high: four a cell of the measure, and more rays in each."""
+    scale = min(1.0, _MASK_HEIGHT / camera.height)
+    return Camera(
+        yaw=camera.yaw,
+        metres_per_pixel=camera.metres_per_pixel / scale,
+        foot=(camera.foot[0] * scale, camera.foot[1] * scale),
+        width=math.ceil(camera.width * scale),
+        height=math.ceil(camera.height * scale),
     )

@@ -137,7 +137,6 @@ STAGES: tuple[Stage, ...] = (
         run=steps.run_fidelity,
         inputs=("tree", "mattes", "cameras"),
         outputs=("soft_ious",),
-        params=("render",),
         share=0.5,
     ),
 )

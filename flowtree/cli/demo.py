@@ -1,0 +1,54 @@
+"""``flowtree demo``: a tree from the bundled pair of pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from flowtree.cli.outputs import check_folder
+from flowtree.cli.progress import show_progress
+
+_PAIR = ("front.jpg", "side.jpg")
+_HEIGHT = 12.0  # [m]
+
+
+def demo(
+    output: Annotated[Path, typer.Option("-o", "--output", help="A folder for the results.")] = Path(
+        "flowtree-demo"
+    ),
+) -> None:
+    """Make a tree from two bundled pictures: tree.glb, preview.png and report.json."""
+    from flowtree.cli.reconstruct import print_result
+
+    with show_progress() as progress:
+        import time
+
+        from flowtree.errors import OutputError
+        from flowtree.export.export_tree import export_tree
+        from flowtree.files import write_whole
+        from flowtree.pipeline.build_report import report_bytes
+        from flowtree.pipeline.reconstruct import reconstruct
+        from flowtree.render.fit_camera import fit_camera
+        from flowtree.render.render_view import render_view
+        from flowtree.render.write_picture import write_picture
+
+        start = time.perf_counter()
+        try:
+            output.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            reason = f"{output}: no folder can be made there: {error.strerror}; name another with -o"
+            raise OutputError(reason) from error
+        check_folder(output)
+        pictures = [Path(__file__).parent / "demo" / name for name in _PAIR]
+        result = reconstruct(pictures, yaws=(0.0, 90.0), height=_HEIGHT, progress=progress)
+        tree, preview, report = (output / name for name in ("tree.glb", "preview.png", "report.json"))
+        export_tree(result.tree, tree)
+        camera = fit_camera(result.tree, 0.0, 768)
+        write_picture(render_view(result.tree, camera), preview)
+        write_whole(report, report_bytes(result.report))
+        took = time.perf_counter() - start
+    typer.echo(f"Two pictures of a tree, from {' and '.join(str(picture) for picture in pictures)}")
+    print_result(result.report, tree)
+    typer.echo(f"{preview}: the tree from the front\n{report}: what was measured\nin {took:.1f} s")
