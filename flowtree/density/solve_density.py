@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from flowtree import check
 from flowtree.density.footprint_matrix import footprint_matrix
-from flowtree.density.view_depth import footprint_means, optical_depth
+from flowtree.geometry.footprint_means import footprint_means, optical_depth
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 from flowtree.model.volume import DensityVolume

@@ -1,11 +1,11 @@
-"""Footprint means: what one view says of the optical depth along each row of voxels."""
+"""Means of a picture over the cells of a grid in a view's plane, and the depth they stand for."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flowtree.model.camera import Camera
+from flowtree.geometry.projection import View
 
 #: An opaque pixel hides how much is behind it: alpha is capped here before the logarithm (a depth of 4.6).
 OPAQUE = 0.99
@@ -13,7 +13,7 @@ OPAQUE = 0.99
 
 def footprint_means(
     picture: NDArray[np.float32],
-    camera: Camera,
+    view: View,
     *,
     left: float,
     bottom: float,
@@ -27,8 +27,8 @@ def footprint_means(
     grid lines. Outside the picture there is nothing (0).
 
     Args:
-        picture: (h, w) of the camera's size.
-        camera: the view.
+        picture: (h, w) seen by the view.
+        view: where its pixels lie in the plane.
         left: [m], image-right coordinate of the grid's first line.
         bottom: [m], height of the grid's lowest line.
         cell: edge of a cell [m].
@@ -37,9 +37,9 @@ def footprint_means(
 
     Returns: (columns, rows) means; row 0 is the lowest.
     """
-    scale = camera.metres_per_pixel
-    lines_x = camera.foot[0] + (left + cell * np.arange(columns + 1)) / scale
-    lines_y = camera.foot[1] - (bottom + cell * np.arange(rows + 1)) / scale
+    scale = view.metres_per_pixel
+    lines_x = view.foot[0] + (left + cell * np.arange(columns + 1)) / scale
+    lines_y = view.foot[1] - (bottom + cell * np.arange(rows + 1)) / scale
     across = _integrate(picture.astype(np.float64), lines_y, axis=0)
     both = _integrate(across, lines_x, axis=1)
     sums = np.diff(np.diff(both, axis=0), axis=1)  # rows run upwards, so the first difference is negative
