@@ -1,0 +1,77 @@
+"""Colours from a texture, at the size at which it is seen."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def build_pyramid(texture: NDArray[np.uint8]) -> list[NDArray[np.float32]]:
+    """The texture in linear light, halved again and again; a fourth channel weighs the others.
+
+    Args:
+        texture: (h, w, 3 or 4) uint8 sRGB.
+
+    Returns: the levels (h, w, 3) float32, the finest first.
+    """
+    weight = (
+        texture[:, :, 3:].astype(np.float32) if texture.shape[2] == 4 else np.ones((*texture.shape[:2], 1))
+    )
+    weight = weight.astype(np.float32) + np.float32(1e-3)
+    color = _SRGB_TO_LINEAR[texture[:, :, :3]] * weight
+    levels = [color / weight]
+    while max(color.shape[:2]) > 1:
+        color, weight = _halve(color), _halve(weight)
+        levels.append(color / weight)
+    return levels
+
+
+def sample_texture(
+    levels: list[NDArray[np.float32]], uv: NDArray[np.float32], level: NDArray[np.integer]
+) -> NDArray[np.float32]:
+    """Linear colours (n, 3) at (n, 2) coordinates between the texels of a level each; the texture repeats."""
+    colors = np.empty((len(uv), 3), np.float32)
+    for number, picture in enumerate(levels):
+        chosen = np.flatnonzero(level == number)
+        if not len(chosen):
+            continue
+        rows, columns = picture.shape[:2]
+        x = uv[chosen, 0] * np.float32(columns) - np.float32(0.5)
+        y = uv[chosen, 1] * np.float32(rows) - np.float32(0.5)
+        left, upper = np.floor(x).astype(np.int32), np.floor(y).astype(np.int32)
+        fx, fy = (x - left)[:, None], (y - upper)[:, None]
+        flat = picture.reshape(-1, 3)
+        i, i_next = left % columns, (left + 1) % columns
+        j, j_next = upper % rows * columns, (upper + 1) % rows * columns
+        shares = (
+            (j + i, (1 - fx) * (1 - fy)),
+            (j + i_next, fx * (1 - fy)),
+            (j_next + i, (1 - fx) * fy),
+            (j_next + i_next, fx * fy),
+        )
+        colors[chosen] = sum(np.take(flat, texel, axis=0) * share for texel, share in shares)
+    return colors
+
+
+def encode_srgb(linear: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Linear light in 0..1 as sRGB in 0..1."""
+    clipped = np.clip(linear, 0, 1).astype(np.float64)
+    curve = np.where(clipped <= 0.0031308, 12.92 * clipped, 1.055 * clipped ** (1 / 2.4) - 0.055)
+    return curve.astype(np.float32)
+
+
+def _halve(picture: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The means of two by two texels; a last odd row or column is repeated."""
+    rows, columns = picture.shape[:2]
+    even = np.pad(
+        picture, ((0, rows % 2 if rows > 1 else 1), (0, columns % 2 if columns > 1 else 1), (0, 0)), "edge"
+    )
+    return (even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2]) / 4
+
+
+def _srgb_table() -> NDArray[np.float32]:
+    value = np.arange(256) / 255.0
+    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4).astype(np.float32)
+
+
+_SRGB_TO_LINEAR = _srgb_table()

@@ -1,0 +1,217 @@
+"""The light that comes from where rays meet a tree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flowtree.params import RenderParams
+from flowtree.render.assemble_scene import Scene
+from flowtree.render.cast_scene import ParallelView, RayHits, cast_scene
+from flowtree.render.sample_texture import build_pyramid, sample_texture
+
+_SUN_COLOR = np.array([1.0, 0.93, 0.80], np.float32)
+_SKY_COLOR = np.array([0.78, 0.90, 1.10], np.float32)
+_GROUND_COLOR = np.array([0.20, 0.22, 0.13], np.float32)
+# Light that has passed a leaf is yellow-green and weaker (Poorter et al. 1995: a leaf passes about as much as
+# it scatters back, mostly between 530 and 600 nm).
+_PASSED = np.array([0.75, 0.80, 0.35], np.float32)
+_LEAF_WRAP = 0.25  # a blade is curved and its neighbours' light fills in: its terminator is soft
+_SHADOW_SIZE = 1024  # rays along the longer side of the sun's picture, at most
+
+
+@dataclass(frozen=True)
+class Lighting:
+    """What lights a scene, whoever looks at it.
+
+    Attributes:
+        toward_sun: (3,) unit vector.
+        sky: (2, 4, n), as `gather_sky_light` gives it.
+        sun_view: the picture that the sun sees.
+        sun_near: what of the scene is nearest to the sun in it [m], -inf where nothing is.
+    """
+
+    toward_sun: NDArray[np.float64]
+    sky: NDArray[np.float32]
+    sun_view: ParallelView
+    sun_near: NDArray[np.float32]
+
+
+def light_scene(
+    scene: Scene,
+    sky: NDArray[np.float32],
+    toward_sun: NDArray[np.float64],
+    *,
+    finest: float,
+    device: str | None = None,
+) -> Lighting:
+    """Lets the sun look at the scene: what it does not see lies in shadow.
+
+    Args:
+        scene: the triangles.
+        sky: as `gather_sky_light` gives it.
+        toward_sun: (3,) unit vector, above the horizon.
+        finest: smallest size worth resolving [m].
+        device: to run on.
+    """
+    right = np.cross([0.0, 1.0, 0.0], toward_sun)
+    length = float(np.linalg.norm(right))
+    right = right / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
+    axes = np.stack([right, np.cross(toward_sun, right), toward_sun])
+    used = np.zeros(scene.positions.shape[1], bool)
+    used[scene.triangles] = True
+    points = scene.positions[:, used]
+    flat = np.stack([(axis.astype(np.float32)[:, None] * points).sum(axis=0) for axis in axes[:2]])
+    low, high = flat.min(axis=1), flat.max(axis=1)
+    scale = max(finest, float((high - low).max()) / _SHADOW_SIZE, 1e-6)
+    width, height = (int(n) for n in np.ceil((high - low) / scale).astype(int) + 3)
+    view = ParallelView(axes, scale, (1.5 - low[0] / scale, 1.5 + high[1] / scale), width, height, 1)
+    hits = cast_scene(scene, view, device=device)
+    return Lighting(toward_sun, sky, view, np.where(hits.hit > 0, hits.near, np.float32(-np.inf)))
+
+
+def shade_hits(
+    scene: Scene, view: ParallelView, hits: RayHits, lighting: Lighting, params: RenderParams
+) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+    """Lights what the rays met: sun with shadows, sky and ground through the crown, translucent leaves.
+
+    Light is gathered at the vertices and spread between them; texture and shadow are looked up for every ray.
+
+    Args:
+        scene: the triangles.
+        view: the rays.
+        hits: what they met.
+        lighting: of the scene.
+        params: brightness of sun and sky.
+
+    Returns: the rays that met something, as flat indices, and their colours (n, 3), linear, in 0..1.
+    """
+    ray = np.flatnonzero(hits.hit)
+    triangle = hits.hit.ravel()[ray] - 1
+    row, column = np.divmod(ray, hits.hit.shape[1])
+    x = (column + (row % view.samples + 0.5) / view.samples).astype(np.float32)
+    y = (row + (column % view.samples + 0.5) / view.samples).astype(np.float32)
+    corners = np.take(scene.triangles, triangle, axis=0).T
+    weight = _corner_weights(hits.corner, corners, x, y)
+    visible = _sun_share(view, lighting, x, y, hits.near.ravel()[ray])
+    indirect, direct = _light_vertices(scene, view.axes[2], lighting, params)
+    spread = _spread(np.concatenate([indirect, direct, scene.uvs], axis=1), corners, weight)
+    color = spread[:, :3] + visible[:, None] * spread[:, 3:6]
+    uv = spread[:, 6:]
+    level = _texture_level(scene, hits.corner)[triangle]
+    wood = triangle < scene.wood_triangles
+    for chosen, material in ((wood, scene.bark), (~wood, scene.leaf)):
+        if material is not None and chosen.any():
+            pyramid = build_pyramid(material.base_color)
+            size = 0.5 * np.log2(material.base_color.shape[0] * material.base_color.shape[1])
+            number = np.clip(np.rint(level[chosen] + size), 0, len(pyramid) - 1).astype(np.int8)
+            color[chosen] *= sample_texture(pyramid, uv[chosen], number)
+    return ray, _compress(color)
+
+
+def _light_vertices(
+    scene: Scene, toward_eye: NDArray[np.float64], lighting: Lighting, params: RenderParams
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """What each vertex (n, 3) scatters toward the eye of sky and ground, and of the sun where it shines."""
+    wood = slice(0, scene.wood_vertices)
+    leaf = slice(scene.wood_vertices, None)
+    eye, sun = toward_eye.astype(np.float32), lighting.toward_sun.astype(np.float32)
+    normals = scene.normals.copy()
+    # Of a leaf the eye sees the side that is turned to it.
+    normals[:, leaf] *= np.where(
+        (eye[:, None] * normals[:, leaf]).sum(axis=0) < 0, np.float32(-1), np.float32(1)
+    )
+    mean = lighting.sky[:, 0]
+    tilt = 2 * (lighting.sky[:, 1:] * normals).sum(axis=1)
+    tints = np.stack([_SKY_COLOR * params.sky, _GROUND_COLOR * (params.sky + 0.5 * params.sun)])
+    front, back = (
+        (np.maximum(mean + sign * tilt, 0)[:, :, None] * tints.astype(np.float32)[:, None]).sum(axis=0)
+        for sign in (1, -1)
+    )
+    facing = (sun[:, None] * normals).sum(axis=0)[:, None]
+    indirect, direct = np.empty_like(scene.colors), np.empty_like(scene.colors)
+    indirect[wood] = front[wood]
+    direct[wood] = np.maximum(facing[wood], 0) * _SUN_COLOR
+    indirect[leaf] = 0.6 * front[leaf] + 0.4 * back[leaf] * _PASSED
+    softened = (np.stack([facing[leaf], -facing[leaf]]) + _LEAF_WRAP) / (1 + _LEAF_WRAP)
+    on, through = np.maximum(softened, 0)
+    direct[leaf] = (on + 0.8 * through * _PASSED) * _SUN_COLOR
+    return indirect * scene.colors, direct * scene.colors * np.float32(params.sun)
+
+
+def _corner_weights(
+    corner: NDArray[np.float32], of: NDArray[np.int32], x: NDArray[np.float32], y: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Barycentric weights (3, n) of the points on their triangles' corners (3, n)."""
+    flat = [np.ascontiguousarray(corner[:, axis]) for axis in (0, 1)]
+    ax, ay = (np.take(part, of[0]) for part in flat)
+    bx, by, cx, cy = (np.take(flat[k % 2], of[1 + k // 2]) - (ax, ay)[k % 2] for k in range(4))
+    dx, dy = x - ax, y - ay
+    weight = np.empty((3, len(x)), np.float32)
+    area = bx * cy - by * cx
+    weight[1], weight[2] = (dx * cy - dy * cx) / area, (dy * bx - dx * by) / area
+    weight[0] = 1 - weight[1] - weight[2]
+    return weight
+
+
+def _spread(
+    values: NDArray[np.float32], of: NDArray[np.int32], weight: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """The vertices' values (n, k) between the corners (3, n), with their weights (3, n)."""
+    total = np.zeros((of.shape[1], values.shape[1]), np.float32)
+    for corner in range(3):
+        part = np.take(values, of[corner], axis=0)
+        part *= weight[corner][:, None]
+        total += part
+    return total
+
+
+def _sun_share(
+    view: ParallelView,
+    lighting: Lighting,
+    x: NDArray[np.float32],
+    y: NDArray[np.float32],
+    near: NDArray[np.float32],
+) -> NDArray[np.float32]:
+    """The share 0..1 of the four rays of the sun around each point (rays, rays, metres) that reach it."""
+    to_sun = lighting.sun_view.axes @ view.axes.T
+    scale = view.metres_per_pixel / view.samples
+    across = (x - np.float32(view.foot[0] * view.samples)) * np.float32(scale)
+    up = (np.float32(view.foot[1] * view.samples) - y) * np.float32(scale)
+    there = [(to_sun[k, 0] * across + to_sun[k, 1] * up + to_sun[k, 2] * near) for k in range(3)]
+    texel = lighting.sun_view.metres_per_pixel
+    column = lighting.sun_view.foot[0] + there[0] / texel - 0.5
+    row = lighting.sun_view.foot[1] - there[1] / texel - 0.5
+    left = np.clip(np.floor(column), 0, lighting.sun_view.width - 2).astype(np.int64)
+    upper = np.clip(np.floor(row), 0, lighting.sun_view.height - 2).astype(np.int64)
+    flat = lighting.sun_near.ravel()
+    # A surface is as near to the sun as itself: it must be clearly behind another one to lie in its shadow.
+    reach = (there[2] + 2.5 * texel).astype(np.float32)
+    share = np.zeros(len(x))
+    for down in (0, 1):
+        for aside in (0, 1):
+            weight = np.abs(1 - down - (row - upper)) * np.abs(1 - aside - (column - left))
+            lit = flat[(upper + down) * lighting.sun_view.width + left + aside] <= reach
+            share += weight * lit
+    return np.clip(share, 0, 1).astype(np.float32)
+
+
+def _texture_level(scene: Scene, corner: NDArray[np.float32]) -> NDArray[np.float32]:
+    """How often each triangle's texture of one texel must be halved to a texel a ray (usually negative)."""
+    areas = []
+    for points in (scene.uvs, corner):
+        a, b, c = (points[scene.triangles[:, k], :2] for k in range(3))
+        twice = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+        areas.append(np.abs(twice) + np.float32(1e-12))
+    level = np.empty(len(areas[0]), np.float32)
+    level[:] = 0.5 * np.log2(areas[0] / areas[1])
+    return level
+
+
+def _compress(color: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Brings any brightness into 0..1, as film does (Reinhard et al. 2002, equation 4, white at 2.5)."""
+    bright = np.maximum(color, 0)
+    shown: NDArray[np.float32] = np.minimum(bright * (1 + bright / np.float32(2.5**2)) / (1 + bright), 1)
+    return shown
