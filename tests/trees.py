@@ -19,7 +19,7 @@ def hand_made_skeleton(branch_count: int = 5, seed: int = 0) -> Skeleton:
     parent, points, radius, level = (
         [-1, 0, 1, 2],
         [[0, y, 0] for y in (0, 1, 2, 3.5)],
-        [0.2, 0.15, 0.1, 0.03],
+        [0.2, 0.15, 0.1, 0.06],
         [0] * 4,
     )
     for k in range(branch_count):
