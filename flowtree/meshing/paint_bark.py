@@ -1,0 +1,106 @@
+"""Paints a bark texture in a given colour."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flowtree import check
+from flowtree.meshing.bark_habits import Habit, furrowed, plated, ringed, smooth
+from flowtree.meshing.tile_noise import Floats
+from flowtree.model.mesh import Material
+
+BarkStyle = Literal["auto", "furrowed", "smooth", "plated", "ringed"]
+
+_HABITS: dict[str, tuple[Habit, float]] = {  # with the roughness of the surface
+    "furrowed": (furrowed, 0.95),
+    "smooth": (smooth, 0.75),
+    "plated": (plated, 0.9),
+    "ringed": (ringed, 0.9),
+}
+_RELIEF = 0.6  # the normal map shows this share of the heights: full relief glitters from afar
+
+
+def paint_bark(color: ArrayLike, *, style: BarkStyle = "auto", seed: int = 0, size: int = 512) -> Material:
+    """Paints bark that tiles exactly in both directions: base colour and normal map.
+
+    The paper textures its discs and does not say with what; here the pattern is computed, in one of four
+    habits: furrowed broadleaf, smooth with lenticels, plated conifer, ringed palm.
+
+    Args:
+        color: (3,) sRGB 0..255. From afar, where only the mean is seen, the bark has this colour: the mean of
+            the texture's linear values is that of the colour, where needed at the cost of contrast.
+        style: the habit; "auto" takes smooth for pale grey, plated for reddish brown, furrowed for the rest.
+        seed: another seed, another piece of bark.
+        size: [pixels]; the picture's upper side lies toward the tip.
+
+    Returns: the material; opaque, one-sided.
+
+    Raises:
+        InputError: a colour out of range, an unknown style, a size below 16 or above 4096.
+    """
+    srgb = check.array(color, "bark color", shape=(3,), dtype=np.float64, low=0.0, high=255.0)
+    habit = pick_habit(srgb) if style == "auto" else style
+    check.require(
+        habit in _HABITS,
+        "bark style",
+        f"must be auto, {', '.join(_HABITS)}",
+        repr(style),
+        check.nearest_name(style, _HABITS),
+    )
+    check.require(16 <= size <= 4096, "bark size", "must be 16 to 4096 pixels", size, "choose another size")
+    paint, roughness = _HABITS[habit]
+    height, relative = paint(np.random.default_rng(seed), size)
+    return Material(
+        name=f"bark_{habit}",
+        base_color=_colored(relative, srgb),
+        normal=_normal_map(height),
+        roughness=roughness,
+    )
+
+
+def pick_habit(color: NDArray[np.float64]) -> str:
+    """The habit that bark of this sRGB colour (3,) 0..255 most often has."""
+    red, green, blue = (float(part) for part in color / 255.0)
+    bright, spread = max(red, green, blue), max(red, green, blue) - min(red, green, blue)
+    saturation = spread / max(bright, 1e-6)
+    if bright > 0.68 and saturation < 0.22:
+        return "smooth"
+    if saturation > 0.42 and red >= green >= blue and bright > 0.25:
+        return "plated"
+    return "furrowed"
+
+
+def _colored(relative: Floats, srgb: Floats) -> NDArray[np.uint8]:
+    """(s, s, 3) sRGB whose linear mean is the colour's."""
+    target = _to_linear(srgb / 255.0)
+    relative = relative / relative.mean(axis=(0, 1))
+    # White bark has no room above its mean: its pattern is flattened until nothing would be clipped.
+    highest = np.quantile(relative, 0.999, axis=(0, 1))
+    room = (1.0 / np.maximum(target, 1e-6) - 1.0) / np.maximum(highest - 1.0, 1e-6)
+    linear = np.clip(target * (1.0 + (relative - 1.0) * np.minimum(room.min(), 1.0)), 0.0, 1.0)
+    encoded: NDArray[np.uint8] = np.rint(255.0 * _to_srgb(linear)).astype(np.uint8)
+    return encoded
+
+
+def _normal_map(height: Floats) -> NDArray[np.uint8]:
+    """(s, s, 3) of a height (s, s) in tile widths, by central differences on the torus; +y is up."""
+    scale = 0.5 * _RELIEF * len(height)
+    right = scale * (np.roll(height, -1, axis=1) - np.roll(height, 1, axis=1))
+    up = scale * (np.roll(height, 1, axis=0) - np.roll(height, -1, axis=0))
+    normal = np.stack([-right, -up, np.ones_like(height)], axis=2)
+    normal /= np.linalg.norm(normal, axis=2, keepdims=True)
+    encoded: NDArray[np.uint8] = np.rint(127.5 * (normal + 1.0)).astype(np.uint8)
+    return encoded
+
+
+def _to_linear(srgb: Floats) -> Floats:
+    linear: Floats = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+    return linear
+
+
+def _to_srgb(linear: Floats) -> Floats:
+    srgb: Floats = np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1.0 / 2.4) - 0.055)
+    return srgb
