@@ -62,11 +62,10 @@ def encode_srgb(linear: NDArray[np.float32]) -> NDArray[np.float32]:
 
 def _halve(picture: NDArray[np.float32]) -> NDArray[np.float32]:
     """The means of two by two texels; a last odd row or column is repeated."""
-    rows, columns = picture.shape[:2]
-    even = np.pad(
-        picture, ((0, rows % 2 if rows > 1 else 1), (0, columns % 2 if columns > 1 else 1), (0, 0)), "edge"
-    )
-    return (even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2]) / 4
+    odd = [(0, side % 2) for side in picture.shape[:2]]
+    even = np.pad(picture, [*odd, (0, 0)], "edge")
+    four = even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2]
+    return np.asarray(four / np.float32(4), np.float32)
 
 
 def _srgb_table() -> NDArray[np.float32]:
