@@ -1,4 +1,4 @@
-"""One step of the flow: force, and the classical Runge-Kutta method (Particle Flows, section 6, equation 2)."""
+"""One step of the flow: forces and the classical Runge-Kutta method (Particle Flows, section 6)."""
 
 import warp as wp
 

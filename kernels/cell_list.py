@@ -61,7 +61,7 @@ def bound_cells(
     # out:
     begin_out: wp.array[int],  # (cells + 1,), where each cell begins in the sorted list
 ):
-    """Finds where each cell begins: index i of ``count + 1`` writes the cells between its key and the last one's."""
+    """Finds where each cell begins: index i of ``count + 1`` writes the cells after the last key to its own."""
     i = first + wp.tid()
     low = int(0)
     if i > 0:

@@ -1,4 +1,4 @@
-"""The direction fields of all views, and what they say at a point of the world (Particle Flows, section 7)."""
+"""The direction fields of all views and what they say at a point of the world (section 7)."""
 
 import warp as wp
 
@@ -18,8 +18,8 @@ class FlowFields:
     route_corner: [m], of point (0, 0, 0).
     route_spacing: of the points [m].
     pull: cosine between field and route above which the field is followed; below its negative the route is.
-    basin: [m], nearer to the foot than this, and under the ground, the straight way to the foot takes over, so
-        that nobody flows past it.
+    basin: [m], nearer to the foot than this, and under the ground, the straight way to the foot takes over,
+        so that nobody flows past it.
     """
 
     vectors: wp.array3d[wp.vec2]

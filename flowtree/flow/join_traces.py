@@ -20,8 +20,8 @@ def join_traces(
 ) -> FlowTraces:
     """Connects every particle's path to whom it joined, and all of them to the root at the foot.
 
-    A particle that never arrived (``end_step`` -1, not joined) is connected, with everything that joined it, to
-    the nearest point of a path that did: no input leaves a particle unconnected.
+    A particle that never arrived (``end_step`` -1, not joined) is connected, with everything that joined it,
+    to the nearest point of a path that did: no input leaves a particle unconnected.
 
     Args:
         trace: (steps + 1, n, 3) [m], every particle's place at the beginning of each step.

@@ -13,8 +13,8 @@ def seed_particles(volume: DensityVolume, count: int, *, seed: int = 0) -> NDArr
     """Random places in the voxels, in proportion to their density.
 
     Unlike the paper's independent draws, the draws are stratified: the voxels are put on a space-filling
-    (Morton) curve, and each of ``count`` equal shares of the total density gets one particle. Every place keeps
-    its probability, but particles neither clump nor leave gaps.
+    (Morton) curve, and each of ``count`` equal shares of the total density gets one particle. Every place
+    keeps its probability, but particles neither clump nor leave gaps.
 
     Returns: (count, 3) float32 [m].
 

@@ -42,17 +42,17 @@ def trace_particles(
 ) -> FlowTraces:
     """Traces particles from the crown to the foot; their joined paths are one tree.
 
-    Each particle is a mass with a velocity (equation 2). The force on it turns the velocity into the wanted one:
-    the average of the views' direction fields, a pull to the nearest neighbour that fades to nothing at
+    Each particle is a mass with a velocity (equation 2). The force on it turns the velocity into the wanted
+    one: the average of the views' direction fields, a pull to the nearest neighbour that fades to nothing at
     ``attraction_radius``, and a pull to the basis. The system is solved with the classical fourth-order
     Runge-Kutta method. Mutual nearest neighbours under a threshold join; mass and momentum are kept.
 
     Deviations, each measured on trees with known truth:
-      * A component of the world vector is averaged over the views that see it. A plain average halves what only
-        one view sees, and every branch comes out steeper than it was drawn.
+      * A component of the world vector is averaged over the views that see it. A plain average halves what
+        only one view sees, and every branch comes out steeper than it was drawn.
       * Particles join only when they meet, so those that start near the foot wait. A grid of free-flow times
-        (the way a lone particle has from there) says when each sets off, and while they flow, particles that are
-        late hurry: all come to the trunk together and leave it as one.
+        (the way a lone particle has from there) says when each sets off, and while they flow, particles that
+        are late hurry: all come to the trunk together and leave it as one.
       * The mass acts as a time of response ``response * mass**inertia``: with the full mass in it no trunk of
         2,000 particles could follow a bend.
       * Who has not arrived after twice the expected time is joined to the nearest path that has.
@@ -140,7 +140,7 @@ class _Flow:
         return self.steps
 
     def ends(self) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
-        """First step, last step (-1 for those still under way) and the particle joined (-1 for none), of each."""
+        """First step, last step (-1: still under way) and the particle joined (-1: none), of each."""
         return self.begin_step.numpy(), self.end_step.numpy(), self.joined.numpy()
 
     def _buffers(self) -> _Buffers:
