@@ -29,7 +29,7 @@ def view_axes(yaw: float) -> tuple[NDArray[np.float64], NDArray[np.float64], NDA
 
     The right angles are exact, so that a view from 90 degrees sees exact coordinates.
     """
-    turn = yaw % 360.0
+    turn = yaw % 360.0 % 360.0  # a tiny negative angle gives 360 itself at first
     if turn % 90.0 == 0.0:
         sine, cosine = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))[int(turn // 90.0)]
     else:

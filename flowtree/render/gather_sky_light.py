@@ -24,6 +24,8 @@ def gather_sky_light(scene: Scene) -> NDArray[np.float32]:
     Returns: (2, 4, n) float32 for the scene's n vertices: from the sky, from the ground; the mean and the
         vector's coordinates.
     """
+    if not len(scene.triangles):
+        return np.zeros((2, 4, scene.positions.shape[1]), np.float32)
     low, cell, density = _density_grid(scene)
     light = np.zeros((2, 4, *density.shape), np.float32)
     for toward in _directions():

@@ -100,7 +100,7 @@ def render_sheet(
 def _crop(
     photo: Photo, matte: Matte, camera: Camera, most: int
 ) -> tuple[Picture, NDArray[np.float32], Camera]:
-    """The tree's part of photo and matte, a panel wide and at most ``most`` high, and the camera of that part."""
+    """The tree's part of photo and matte, scaled to a panel at most ``most`` high, and its camera."""
     rows, columns = (np.flatnonzero((matte.alpha > 0.1).any(axis=axis)) for axis in (1, 0))
     full = matte.alpha.shape
     if not len(rows):
@@ -148,7 +148,7 @@ def _difference(alpha: NDArray[np.float32], drawn: NDArray[np.float32]) -> Pictu
     both = np.minimum(alpha, drawn)[:, :, None]
     missing, surplus = np.maximum(alpha - drawn, 0)[:, :, None], np.maximum(drawn - alpha, 0)[:, :, None]
     color = 255.0 - both * 130.0 - missing * np.array([15, 120, 225]) - surplus * np.array([215, 130, 20])
-    return np.rint(np.clip(color, 0, 255)).astype(np.uint8)
+    return np.asarray(np.rint(np.clip(color, 0, 255)), np.uint8)
 
 
 def _lay_out(rows: Sequence[Sequence[tuple[str, Picture]]]) -> Picture:
@@ -166,4 +166,4 @@ def _lay_out(rows: Sequence[Sequence[tuple[str, Picture]]]) -> Picture:
             sheet.paste(Image.fromarray(panel), (left, top + _LABEL))
             left += panel.shape[1] + _GAP
         top += height
-    return np.asarray(sheet)
+    return np.asarray(sheet, np.uint8)
