@@ -58,7 +58,7 @@ def smooth_polyline(points: ArrayLike, sigma: float) -> _Array:
     exact.
     """
     line = np.asarray(points, np.float64)
-    if len(line) < 3 or sigma <= 0.0:
+    if len(line) < 3 or sigma < 0.1:  # less than a tenth of a sample changes nothing
         return line.copy()
     reach = min(len(line) - 1, int(np.ceil(4.0 * sigma)))
     before = 2.0 * line[0] - line[reach:0:-1]

@@ -38,7 +38,8 @@ def paint_matte(matte: Matte, edit: PaintedEdit) -> Matte:
     if edit.add is not None:
         add = check.array(edit.add, "painted density", shape=size, low=0.0, high=1.0)
         foreground = _extend_colors(alpha, foreground, add > 0.0)
-        alpha = np.asarray(1.0 - (1.0 - alpha) * (1.0 - add), np.float32)
+        # The union written so that nothing added is exactly nothing changed.
+        alpha = np.asarray(alpha + add - alpha * add, np.float32)
     if edit.erase is not None:
         erase = check.array(edit.erase, "erased density", shape=size, low=0.0, high=1.0)
         alpha = np.asarray(alpha * (1.0 - erase), np.float32)
@@ -48,7 +49,7 @@ def paint_matte(matte: Matte, edit: PaintedEdit) -> Matte:
 def _extend_colors(
     alpha: NDArray[np.float32], foreground: NDArray[np.uint8], painted: NDArray[np.bool_]
 ) -> NDArray[np.uint8]:
-    """The foreground (h, w, 3) with the nearest tree pixel's colour wherever density was painted beside it."""
+    """The foreground (h, w, 3), filled with the nearest tree pixel's colour where density was painted."""
     tree = alpha >= min(_TREE, float(alpha.max()))
     fill = painted & ~tree
     if not fill.any() or float(alpha.max()) == 0.0:

@@ -50,7 +50,8 @@ def read_painted_edit(path: str | Path, photo: Photo, *, params: PhotoParams = P
     """
     file = Path(path)
     edit = _from_json(file, photo) if file.suffix.lower() == ".json" else _from_picture(file, photo, params)
-    painted = edit.add is not None or edit.erase is not None or len(edit.directions) > 0
+    layers = [layer for layer in (edit.add, edit.erase) if layer is not None]
+    painted = len(edit.directions) > 0 or any(bool(layer.any()) for layer in layers)
     check.require(
         painted, file.name, "needs something painted", "nothing", "paint in green (add) or red (erase)"
     )
@@ -137,6 +138,7 @@ def _brush(line: NDArray[np.float64], width: float, shape: tuple[int, ...]) -> N
     """The cover (h, w) of a round brush drawn along a line: 1 in the inner half, falling to 0 at its rim."""
     # Drawing is in 32-bit fixed point: what lies far out must not wrap around.
     far = 4.0 * sum(shape)
+    line = np.concatenate([line, line[-1:]])  # a line of one point draws nothing, one to itself a dot
     fixed = np.rint((np.clip(line, -far, far) - 0.5) * 2**_SUBPIXEL).astype(np.int32).reshape(-1, 1, 2)
     spine = np.ones(shape, np.uint8)
     cv2.polylines(spine, [fixed], False, 0, thickness=1, shift=_SUBPIXEL)
