@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from flowtree import __version__
+from flowtree.meshing.close_seams import close_seams, is_watertight
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 from flowtree.model.photo import Photo
@@ -77,7 +78,7 @@ def build_report(
         "mesh": {
             "triangles": len(tree.wood.triangles),
             "vertices": len(tree.wood.positions),
-            "watertight": is_closed(tree),
+            "watertight": is_watertight(close_seams(tree.wood)[1]),
         },
         "leaves": leaves,
         "warnings": [*warnings, *_view_warnings(photos, mattes, cameras, tree.height)],
@@ -97,23 +98,6 @@ def peak_memory_mb() -> float | None:
         return None
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return round(most / (1e6 if sys.platform == "darwin" else 1e6 / 1024.0), 1)
-
-
-def is_closed(tree: TreeModel) -> bool:
-    """Whether every edge of the wood is shared by exactly two triangles that run along it in opposite ways.
-
-    Vertices at one place count as one: texture seams split them.
-    """
-    _, place = np.unique(tree.wood.positions, axis=0, return_inverse=True)
-    corners = place.reshape(-1)[tree.wood.triangles].astype(np.int64)
-    corners = corners[
-        (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
-    ]
-    edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
-    count = int(place.max(initial=0)) + 1
-    ahead, times = np.unique(edges[:, 0] * count + edges[:, 1], return_counts=True)
-    back = np.unique(edges[:, 1] * count + edges[:, 0])
-    return bool(len(ahead) > 0 and (times == 1).all() and np.array_equal(ahead, back))
 
 
 def _skeleton_figures(skeleton: Skeleton) -> dict[str, Any]:

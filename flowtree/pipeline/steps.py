@@ -92,8 +92,11 @@ def run_painting(
     mirrored: bool,
 ) -> tuple[Photo, Matte, PaintedEdit, Polylines]:
     """Applies what a person drew; a mirrored view is mirrored here, with everything drawn on its photo."""
-    del job
-    edit = read_painted_edit(paint, photo) if isinstance(paint, Path) else paint or PaintedEdit()
+    edit = (
+        read_painted_edit(paint, photo, params=job.params.photos)
+        if isinstance(paint, Path)
+        else paint or PaintedEdit()
+    )
     lines = read_strokes(strokes, photo) if isinstance(strokes, Path) else tuple(strokes or ())
     painted = paint_matte(matte, edit)
     if not mirrored:
@@ -185,7 +188,7 @@ def run_bark(
     if picture is not None:
         return load_bark(picture)
     color = measure_bark(branches, mattes, cameras)
-    return paint_bark(color, seed=job.seed)
+    return paint_bark(color, style=job.params.meshing.bark_style, seed=job.seed)
 
 
 def run_foliage(

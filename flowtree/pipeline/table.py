@@ -35,6 +35,7 @@ STAGES: tuple[Stage, ...] = (
         run=steps.run_painting,
         inputs=("raw_photo", "raw_matte", "paint_source", "strokes_source", "mirrored"),
         outputs=("photos", "mattes", "edits", "strokes"),
+        params=("photos",),
         each_view=True,
         share=0.05,
     ),

@@ -40,7 +40,7 @@ def load_project(folder: str | Path) -> Project:
     pictures = _mapping(table.get("pictures", {}), name)
     values = params.model_dump()
     for section, key in PICTURE_PARAMS:
-        if f"{section}.{key}" in pictures and section in values:
+        if f"{section}.{key}" in pictures:
             values[section][key] = str(_file(base, pictures[f"{section}.{key}"], name))
     files = {
         kind: {

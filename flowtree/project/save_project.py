@@ -17,7 +17,7 @@ from flowtree.project.project import PER_PHOTO, Project
 
 FORMAT = 1
 # Parameters that may name a picture: it moves into the project with the rest.
-PICTURE_PARAMS = (("meshing", "bark"), ("leaves", "texture"))
+PICTURE_PARAMS = (("meshing", "bark"), ("leaves", "picture"))
 
 
 def save_project(project: Project, folder: str | Path) -> None:
@@ -51,7 +51,7 @@ def save_project(project: Project, folder: str | Path) -> None:
     params = project.params.model_dump()
     table["pictures"] = {}
     for section, name in PICTURE_PARAMS:
-        picture = params.get(section, {}).get(name)
+        picture = params[section][name]
         if picture not in (None, "", "auto"):
             table["pictures"][f"{section}.{name}"] = _copy("pictures", Path(picture), contents)
             params[section][name] = type(project.params).model_fields[section].default.model_dump()[name]
