@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from flowtree import check
@@ -17,6 +19,8 @@ def check_tree(tree: TreeModel) -> None:
         InputError: an array has the wrong shape or holds NaN, a triangle names a vertex that is not there, a
             texture is not a picture, or there is nothing to write at all.
     """
+    high = math.isfinite(tree.height)
+    check.require(high, "tree's height", "must be a number of metres", tree.height, "measure it")
     _check_mesh(tree.wood, "wood")
     _check_material(tree.bark, "bark")
     leaves = 0

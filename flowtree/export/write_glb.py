@@ -52,21 +52,21 @@ def encode_glb(tree: TreeModel) -> bytes:
     check_tree(tree)
     name = tree.name.encode("utf-8", "replace").decode() or "Tree"
     foliage = tree.foliage if tree.foliage is not None and len(tree.foliage.position) else None
-    file = _Glb()
-    children = []
+    extras = {"height": float(tree.height), "leaves": 0 if foliage is None else len(foliage.position)}
+    children: list[int] = []
+    file = _Glb({"name": name, "children": children, "extras": extras})
     if len(tree.wood.triangles):
         children.append(file.add_part(f"{name}_wood", tree.wood, tree.bark))
     if foliage is not None and len(foliage.leaf.triangles):
         children.append(file.add_part(f"{name}_leaves", merge_leaves(foliage), foliage.material))
-    extras = {"height": float(tree.height), "leaves": 0 if foliage is None else len(foliage.position)}
-    return file.finish({"name": name, "children": children, "extras": extras})
+    return file.finish()
 
 
 class _Glb:
-    """A glTF document and its binary buffer while they grow."""
+    """A glTF document and its binary buffer while they grow; the root node is the first."""
 
-    def __init__(self) -> None:
-        self._lists: dict[str, list[dict[str, Any]]] = {}
+    def __init__(self, root: dict[str, Any]) -> None:
+        self._lists: dict[str, list[dict[str, Any]]] = {"nodes": [root]}
         self._chunks: list[bytes] = []
         self._length = 0
 
@@ -90,13 +90,12 @@ class _Glb:
         index = self._add("meshes", {"name": name, "primitives": [primitive]})
         return self._add("nodes", {"name": name, "mesh": index})
 
-    def finish(self, root: dict[str, Any]) -> bytes:
-        """The whole file, with the root node above all others."""
-        index = self._add("nodes", root)
+    def finish(self) -> bytes:
+        """The whole file."""
         document = {
             "asset": {"version": "2.0", "generator": f"flowtree {__version__}"},
             "scene": 0,
-            "scenes": [{"name": root["name"], "nodes": [index]}],
+            "scenes": [{"name": self._lists["nodes"][0]["name"], "nodes": [0]}],
             **self._lists,
             "buffers": [{"byteLength": self._length}],
         }
