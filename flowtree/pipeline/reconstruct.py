@@ -131,13 +131,14 @@ def reconstruct(
         "strokes_source": _per_photo(strokes, count, "strokes"),
         "paint_source": _per_photo(paint, count, "paint"),
     }
-    bark = params.meshing.bark
+    bark, leaf = params.meshing.bark, params.leaves.picture
     sources = {
         **{name: tuple(values * views if count == 1 else values) for name, values in given.items()},
         "mirrored": tuple(view >= count for view in range(views)),
         "yaw": turns,
         "height": (float(tall),) * views,
         "bark_source": None if bark == "auto" else Path(bark),
+        "leaf_source": None if leaf is None else Path(leaf),
     }
     warnings = _warnings(given["photo_source"], height)
     chosen = pick_device(device)

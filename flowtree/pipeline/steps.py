@@ -23,6 +23,7 @@ from flowtree.density.solve_density import solve_density
 from flowtree.flow.trace_particles import trace_particles
 from flowtree.foliage.place_leaves import place_leaves
 from flowtree.matting.extract_matte import extract_matte
+from flowtree.matting.judge_leafy import judge_leafy
 from flowtree.matting.paint_matte import paint_matte
 from flowtree.meshing.load_bark import load_bark
 from flowtree.meshing.measure_bark import measure_bark
@@ -161,15 +162,23 @@ def run_branches(
     return da_vinci_radii(bare, trunk_radius=trunk, params=job.params.thickness)
 
 
+def run_leafiness(job: Job, mattes: tuple[Matte, ...], cameras: tuple[Camera, ...]) -> bool:
+    """Whether the tree bears leaves."""
+    del job
+    return judge_leafy(mattes, cameras)
+
+
 def run_twigs(
     job: Job,
     branches: Skeleton,
     volume: DensityVolume,
     mattes: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
+    leafy: bool,
 ) -> Skeleton:
     """The skeleton with twigs."""
-    return grow_twigs(branches, volume, mattes, cameras, params=job.params.twigs, seed=job.seed)
+    params = job.params.twigs
+    return grow_twigs(branches, volume, mattes, cameras, leafy=leafy, params=params, seed=job.seed)
 
 
 def run_meshing(job: Job, skeleton: Skeleton) -> TreeMesh:
@@ -197,11 +206,14 @@ def run_foliage(
     volume: DensityVolume,
     mattes: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
+    leafy: bool,
+    picture: Path | None,
 ) -> Foliage | None:
-    """The leaves, if the tree has any."""
-    return place_leaves(
-        skeleton, volume, mattes, cameras, params=job.params.leaves, seed=job.seed, device=job.device
-    )
+    """The leaves, if the tree has any; their picture is an input so that a new one makes new leaves."""
+    del picture
+    if not leafy:
+        return None
+    return place_leaves(skeleton, volume, mattes, cameras, params=job.params.leaves, seed=job.seed)
 
 
 def run_assembly(

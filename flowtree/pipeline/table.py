@@ -3,7 +3,7 @@
 Sources, one entry a view: ``photo_source`` (a file or a `Photo`), ``matte_source``, ``trimap_source``,
 ``scribbles_source``, ``strokes_source``, ``paint_source`` (a file, what reading it gives, or None),
 ``mirrored`` (whether the view is its photo's mirror image), ``yaw`` [degrees], ``height`` [m].
-One for all: ``bark_source`` (a picture or None).
+One for all: ``bark_source`` and ``leaf_source`` (a picture or None).
 """
 
 from __future__ import annotations
@@ -92,9 +92,16 @@ STAGES: tuple[Stage, ...] = (
         share=0.2,
     ),
     Stage(
+        name="leafiness",
+        run=steps.run_leafiness,
+        inputs=("mattes", "cameras"),
+        outputs=("leafy",),
+        share=0.05,
+    ),
+    Stage(
         name="twigs",
         run=steps.run_twigs,
-        inputs=("branches", "volume", "mattes", "cameras"),
+        inputs=("branches", "volume", "mattes", "cameras", "leafy"),
         outputs=("skeleton",),
         params=("twigs",),
         seeded=True,
@@ -120,7 +127,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="foliage",
         run=steps.run_foliage,
-        inputs=("skeleton", "volume", "mattes", "cameras"),
+        inputs=("skeleton", "volume", "mattes", "cameras", "leafy", "leaf_source"),
         outputs=("foliage",),
         params=("leaves",),
         seeded=True,
