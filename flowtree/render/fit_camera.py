@@ -8,6 +8,7 @@ from flowtree import check
 from flowtree.geometry.projection import to_plane
 from flowtree.model.camera import Camera
 from flowtree.model.tree import TreeModel
+from flowtree.render.assemble_scene import assemble_scene
 
 _MARGIN = 0.05  # of the picture, kept free on every side
 
@@ -23,14 +24,13 @@ def fit_camera(tree: TreeModel, yaw: float, size: int) -> Camera:
     Raises:
         InputError: the tree has neither a triangle nor a leaf.
     """
-    points = [tree.wood.positions[tree.wood.triangles.ravel()]]
-    reach = [np.zeros(len(points[0]))]
-    if tree.foliage is not None:
-        points.append(tree.foliage.position)
-        reach.append(np.asarray(tree.foliage.scale, np.float64))
-    plane, around = to_plane(np.concatenate(points), yaw), np.concatenate(reach)[:, None]
-    check.require(len(plane) > 0, "tree", "needs a triangle or a leaf", "neither", "mesh the skeleton first")
-    low, high = (plane - around).min(axis=0), (plane + around).max(axis=0)
+    scene = assemble_scene(tree)
+    corners = scene.positions[:, np.unique(scene.triangles)].T
+    check.require(
+        len(corners) > 0, "tree", "needs a triangle or a leaf", "neither", "mesh the skeleton first"
+    )
+    plane = to_plane(corners, yaw)
+    low, high = plane.min(axis=0), plane.max(axis=0)
     low[1] = min(low[1], 0.0)
     side = max(float((high - low).max()), 1e-3)
     scale = side / (size * (1.0 - 2.0 * _MARGIN))
