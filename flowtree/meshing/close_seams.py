@@ -9,28 +9,38 @@ from scipy.sparse.csgraph import connected_components
 
 from flowtree.model.mesh import TreeMesh
 
+Ints = NDArray[np.int64]
+
 
 def close_seams(mesh: TreeMesh) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
     """Merges the vertices that a texture seam or a pointed tip has split.
 
-    A mesh carries one vertex per texture coordinate, so a closed surface has a slit along its seam. Vertices
-    of one connected piece whose positions are equal to the last bit are one vertex here; vertices of
-    different pieces (two twigs that happen to coincide) stay apart, or closed pieces would seem to be joined.
+    A mesh carries one vertex per texture coordinate, so a closed surface has slits. Vertices whose positions
+    are equal to the last bit are one vertex here, if they belong to one connected piece, or if both lie on a
+    slit that is still open then. Other vertices stay apart, even where two twigs happen to coincide: merged,
+    closed pieces would seem to be joined.
 
     Returns: positions (n, 3) [m] and triangles (m, 3) of the same surface without texture coordinates.
     """
-    n = len(mesh.positions)
-    edges = np.concatenate([mesh.triangles[:, [0, 1]], mesh.triangles[:, [1, 2]]])
-    graph = coo_matrix((np.ones(len(edges), np.int8), (edges[:, 0], edges[:, 1])), shape=(n, n))
+    triangles = mesh.triangles.astype(np.int64)
+    count = len(mesh.positions)
+    start, end = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    graph = coo_matrix((np.ones(len(start), np.int8), (start, end)), shape=(count, count))
     _, piece = connected_components(graph, directed=False)
-    key = np.column_stack([mesh.positions.astype(np.float64), piece])
-    order = np.lexsort(key.T)
-    fresh = np.any(key[order][1:] != key[order][:-1], axis=1)
-    label = np.empty(n, np.int32)
-    label[order] = np.concatenate([[0], np.cumsum(fresh)]) if n else []
-    positions = np.empty((int(label.max(initial=-1)) + 1, 3), np.float32)
-    positions[label] = mesh.positions
-    return positions, label[mesh.triangles]
+    label, first = _merge(mesh.positions, piece.astype(np.int64))
+
+    start, end = label[start], label[end]
+    edge = np.minimum(start, end) * count + np.maximum(start, end)
+    order = np.argsort(edge)
+    differs = np.diff(edge[order]) != 0
+    alone = np.concatenate([[True], differs])[: len(order)] & np.append(differs, True)[: len(order)]
+    open_edge = order[alone]
+    # Vertices inside a surface get a group of their own, so that only those on open slits can meet.
+    group = 1 + np.arange(len(first))
+    group[start[open_edge]] = 0
+    group[end[open_edge]] = 0
+    joined, kept = _merge(mesh.positions[first], group)
+    return mesh.positions[first[kept]], joined[label][mesh.triangles].astype(np.int32)
 
 
 def is_watertight(triangles: NDArray[np.int32]) -> bool:
@@ -46,3 +56,13 @@ def is_watertight(triangles: NDArray[np.int32]) -> bool:
     base = int(flat.max()) + 1
     forward, count = np.unique(start * base + end, return_counts=True)
     return bool(np.all(count == 1)) and np.array_equal(forward, np.sort(end * base + start))
+
+
+def _merge(positions: NDArray[np.float32], group: Ints) -> tuple[Ints, Ints]:
+    """Numbers the vertices (n,), alike for equal positions of one group; and names a vertex of each number."""
+    order = np.lexsort((*positions.T, group))
+    same = (positions[order][1:] == positions[order][:-1]).all(axis=1) & (np.diff(group[order]) == 0)
+    fresh = np.concatenate([[True], ~same])[: len(order)]
+    label = np.empty(len(order), np.int64)
+    label[order] = np.cumsum(fresh) - 1
+    return label, order[fresh]

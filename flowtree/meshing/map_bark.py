@@ -1,0 +1,100 @@
+"""How the bark's texture lies on the rings: one scale, no stretch, no seam."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flowtree.meshing.place_rings import Floats, Ints, Rings
+
+_GOLDEN = 0.6180339887498949
+_SHRINK = 1.8  # how far a branch may taper before the texture repeats less often around it
+
+
+@dataclass(frozen=True)
+class BarkMap:
+    """Rows of vertices, ring after ring; a ring where the texture changes its repeats has two rows.
+
+    Attributes:
+        ring: (r,), the ring a row stands on, never falling.
+        repeats: (r,), how often the texture repeats around; 0 where it runs out and back.
+        width: (r,), circumference in texture widths.
+        start: (r, 2), texture coordinates where the row begins.
+    """
+
+    ring: Ints
+    repeats: Ints
+    width: Floats
+    start: Floats
+
+    def uvs(self, row: Ints, around: Floats) -> NDArray[np.float32]:
+        """Texture coordinates (n, 2) of the vertices ``around`` (n,) in 0..1 of the ring of a row (n,)."""
+        out_and_back = (0.5 - np.abs(around - 0.5)) * self.width[row]
+        u = np.where(self.repeats[row] > 0, around * self.repeats[row], out_and_back)
+        uvs: NDArray[np.float32] = (self.start[row] + np.stack([u, 0.0 * u], axis=1)).astype(np.float32)
+        return uvs
+
+
+def map_bark(rings: Rings, wanted_scale: float) -> BarkMap:
+    """Chooses how often the texture repeats around every branch, and how fast it runs along it.
+
+    Around a thick branch it repeats a whole number of times. That number must be constant for the pattern to
+    go on, so along a taper the bark gets finer; when the branch has tapered to 1 / 1.8, a new number begins
+    there. Around a thin branch not even one repeat fits: there u runs out and back again and meets itself on
+    the branch's underside, which fits every circumference. (It would fit the trunk too; but there the eye
+    finds faces in the mirror image.) Along the branch the texture is as long as it is wide.
+
+    Args:
+        rings: of all branches.
+        wanted_scale: [m] a repeat; the tree's scale is the nearest that fits around the trunk without a rest.
+    """
+    circumference = 2.0 * np.pi * _settled(rings)
+    first = np.flatnonzero(np.diff(rings.chain, prepend=-1))
+    count = float(np.rint(circumference[0] / wanted_scale))
+    scale = float(circumference[0]) / count if count >= 1.0 else wanted_scale
+    width = circumference / scale
+
+    # Each ring stands for the segment below it; a branch's first ring has none.
+    before = np.roll(width, 1)
+    before[first] = width[first]
+    middle = 0.5 * (width + before)
+    # The narrowest so far: a swelling does not bring repeats back. Branches are kept apart by the offset.
+    apart = (middle.max() + 1.0) * rings.chain
+    narrowest = np.minimum.accumulate(middle - apart) + apart
+    base = narrowest[first][rings.chain]
+    stage = np.floor(np.log(base / narrowest) / np.log(_SHRINK))
+    fits = base / _SHRINK**stage
+    repeats = np.where(stage > 0, np.rint(0.85 * fits), np.rint(fits)).astype(np.int64)
+    repeats = np.where(fits < 0.75, 0, np.maximum(repeats, 1))
+    repeats[first] = repeats[np.minimum(first + 1, len(repeats) - 1)]
+
+    gap = np.diff(rings.arc, prepend=0.0)
+    gap[first] = 0.0
+    rise = np.cumsum(gap * np.where(repeats > 0, repeats / middle, 1.0) / scale)
+    rise -= rise[first][rings.chain]
+
+    # Every branch starts elsewhere in the picture, or neighbours would look alike. v falls toward the tip,
+    # because pictures count rows from above.
+    branch = rings.chain + 1
+    start = np.stack([(branch * _GOLDEN) % 1.0, (branch * _GOLDEN**2) % 1.0 - rise], axis=1)
+    changes = np.flatnonzero((repeats[1:] != repeats[:-1]) & (rings.chain[1:] == rings.chain[:-1]))
+    ring = np.insert(np.arange(len(width)), changes + 1, changes)
+    segment = np.insert(np.arange(len(width)), changes + 1, changes + 1)
+    return BarkMap(ring=ring, repeats=repeats[segment], width=width[ring], start=start[ring])
+
+
+def _settled(rings: Rings) -> Floats:
+    """(k,) [m] the bark's radius, its steps at forks spread over the rings beside them.
+
+    Where the radius falls at once, bark that follows it would slant; three binomial passes halve that.
+    """
+    radius = rings.bark_radius.copy()
+    same_before = np.concatenate(([False], rings.chain[1:] == rings.chain[:-1]))
+    same_after = np.append(same_before[1:], False)
+    for _ in range(3):
+        before = np.where(same_before, np.roll(radius, 1), radius)
+        after = np.where(same_after, np.roll(radius, -1), radius)
+        radius = 0.25 * before + 0.5 * radius + 0.25 * after
+    return radius
