@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from flowtree import check
 
 # Closer than this two views show the same [degrees].
@@ -31,7 +33,8 @@ def choose_yaws(count: int, yaws: Sequence[float] | None = None) -> tuple[float,
         return tuple(180.0 * k / views for k in range(views))
     remedy = f"give {count}, such as {','.join(f'{180 * k / views:g}' for k in range(count))}"
     check.require(len(yaws) == count, "yaw", f"must be given once a photo ({count})", len(yaws), remedy)
-    turns = [float(yaw) for yaw in check.array(yaws, "yaw", shape=(count,), low=-3600.0, high=3600.0)]
+    wanted = check.array(yaws, "yaw", shape=(count,), dtype=np.float64, low=-3600.0, high=3600.0)
+    turns = [float(yaw) for yaw in wanted]
     if count == 1:
         return (turns[0], turns[0] + 90.0)
     for k, turn in enumerate(turns):

@@ -8,6 +8,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from flowtree import check
 from flowtree.device import pick_device
 from flowtree.model.attractor import AttractorGraph
@@ -119,7 +121,7 @@ def reconstruct(
     count = len(photos)
     turns = choose_yaws(count, yaws)
     metres = _DEFAULT_HEIGHT if height is None else height
-    tall = check.array(metres, "height", shape=(), low=0.01, high=_HIGHEST)
+    tall = check.array(metres, "height", shape=(), dtype=np.float64, low=0.01, high=_HIGHEST)
     whole = isinstance(seed, int) and 0 <= seed < 2**63
     check.require(whole, "seed", "must be a whole number from 0", repr(seed), "give another")
     views = len(turns)

@@ -1,0 +1,117 @@
+"""The runner: order, views, cache, progress and cancelling, shown on arithmetic instead of trees."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from flowtree.configuration import override_params
+from flowtree.errors import CancelledError, InputError
+from flowtree.params import Params
+from flowtree.pipeline.cache import StageCache
+from flowtree.pipeline.run_stages import run_stages
+from flowtree.pipeline.stage import Job, Stage
+
+
+class Sums:
+    """Three stages that count how often they ran."""
+
+    def __init__(self):
+        self.ran = []
+        self.stages = (
+            Stage(
+                "double", self.double, ("number", "unit"), ("doubled", "unit_seen"), each_view=True, share=2.0
+            ),
+            Stage("add", self.add, ("doubled",), ("sum",), params=("density",)),
+            Stage("draw", self.draw, ("sum",), ("drawn",), seeded=True),
+        )
+
+    def double(self, job, number, unit):
+        self.ran.append("double")
+        return 2 * number, unit
+
+    def add(self, job, doubled):
+        self.ran.append("add")
+        return sum(doubled) + job.params.density.resolution
+
+    def draw(self, job, total):
+        self.ran.append("draw")
+        return total + job.seed
+
+    def run(self, numbers=(1, 2), *, seed=0, sets=(), **options):
+        job = Job(override_params(Params(), sets), seed, "cpu")
+        sources = {"number": tuple(numbers), "unit": ("m",) * len(numbers)}
+        return run_stages(self.stages, sources, job, views=len(numbers), **options).values
+
+
+def test_views_run_one_by_one_and_meet_in_a_tuple():
+    sums = Sums()
+    made = sums.run()
+    assert made["doubled"] == (2, 4)
+    assert made["sum"] == 6 + 64
+    assert sums.ran == ["double", "double", "add", "draw"]
+
+
+def test_equal_views_are_computed_once():
+    sums = Sums()
+    assert sums.run((3, 3))["doubled"] == (6, 6)
+    assert sums.ran.count("double") == 1
+
+
+@pytest.mark.parametrize(
+    ("change", "again"),
+    [
+        ({}, []),
+        ({"numbers": (1, 5)}, ["double", "add", "draw"]),
+        ({"sets": ["density.resolution=10"]}, ["add", "draw"]),
+        ({"seed": 4}, ["draw"]),
+        ({"sets": ["flow.particle_count=7"]}, []),
+    ],
+    ids=["nothing", "a view", "a parameter", "the seed", "a parameter nobody reads"],
+)
+def test_only_what_hangs_on_a_change_runs_again(change, again):
+    sums, cache = Sums(), StageCache()
+    sums.run(cache=cache)
+    sums.ran.clear()
+    made = sums.run(**change, cache=cache)
+    assert sums.ran == again
+    assert made == Sums().run(**change)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    runs=st.lists(
+        st.tuples(st.tuples(st.integers(0, 2), st.integers(0, 2)), st.integers(0, 2), st.integers(4, 6)),
+        max_size=8,
+    ),
+    capacity=st.integers(1, 4),
+)
+def test_a_cache_of_any_size_changes_no_result(runs, capacity):
+    sums, cache = Sums(), StageCache(capacity)
+    for numbers, seed, resolution in runs:
+        arguments = {"numbers": numbers, "seed": seed, "sets": [f"density.resolution={resolution}"]}
+        assert sums.run(**arguments, cache=cache) == Sums().run(**arguments)
+        assert len(cache) <= capacity
+
+
+def test_progress_rises_from_nothing_to_all():
+    seen = []
+    Sums().run(progress=lambda stage, share: seen.append((stage, share)))
+    assert [stage for stage, _ in seen] == ["double", "double", "add", "draw", "draw"]
+    shares = [share for _, share in seen]
+    assert shares == pytest.approx([0.0, 0.25, 0.5, 0.75, 1.0])
+
+
+def test_cancelling_stops_before_the_next_stage():
+    sums = Sums()
+    with pytest.raises(CancelledError, match="add"):
+        sums.run(cancel=lambda: len(sums.ran) == 2)
+    assert sums.ran == ["double", "double"]
+
+
+def test_a_run_can_end_early():
+    sums = Sums()
+    assert "sum" not in sums.run(until="double")
+    with pytest.raises(InputError, match=r"did you mean 'double'\?"):
+        sums.run(until="doubel")
