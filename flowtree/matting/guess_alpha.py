@@ -1,0 +1,195 @@
+"""The automatic part of matting: a first alpha, and how far it can be trusted."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from flowtree import check
+from flowtree.matting.find_crown import Crown, find_crown
+from flowtree.matting.find_sky import FAR, NEAR, Sky, find_sky
+from flowtree.matting.fit_local_gaussian import fit_local_gaussian
+from flowtree.matting.label_tree import label_tree
+from flowtree.matting.solve_alpha import KNOWN
+from flowtree.matting.trace_trunk import Trunk, trace_trunk
+
+TREE, BACKGROUND, UNKNOWN = 1, 2, 3  # labels of scribbles
+_WEAK, _OPEN, _FIRM = 0.02, 0.01, 5.0  # confidences: an estimate, an edge of the trunk, almost certain
+_PICKED = 10.0  # colours this near to a picked one follow it [CIELAB]
+_NOISE = 3.0  # of tree and sky colours when a pixel is split between them [CIELAB]
+
+
+def guess_alpha(
+    name: str,
+    rgb: NDArray[np.uint8],
+    *,
+    scribbles: NDArray[np.uint8] | None = None,
+    tree_colors: NDArray[np.float32] | None = None,
+    other_colors: NDArray[np.float32] | None = None,
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Estimates alpha from colours, texture and place alone (Particle Flows, section 4, made automatic).
+
+    Sky first (`find_sky`), then what stands before it in the middle (`find_crown`), then what of the ground
+    and the background belongs to it (`label_tree`), and the trunk by its edges (`trace_trunk`). A pixel of
+    the tree with sky behind it is split between the local colours of both, so that gaps in the crown stay
+    open.
+
+    Args:
+        name: of the photo, for messages.
+        rgb: (h, w, 3), the small picture.
+        scribbles: (h, w), 0 nothing, 1 tree, 2 background, 3 unknown.
+        tree_colors: (n, 3) CIELAB, picked on the tree.
+        other_colors: (n, 3) CIELAB, picked beside it.
+
+    Returns: alpha and confidence, both (h, w), as `solve_alpha` takes them.
+
+    Raises:
+        InputError: no tree can be told from the rest.
+    """
+    lab: NDArray[np.float32] = cv2.cvtColor(
+        rgb.astype(np.float32) / np.float32(255.0), cv2.COLOR_RGB2Lab
+    ).astype(np.float32)
+    texture = np.minimum(_deviation(lab, 2), 1.3 * _deviation(lab, 1))
+    evidence = _evidence(lab, scribbles, tree_colors, other_colors)
+    sky = find_sky(lab, texture, evidence < -3.0 if (evidence < -3.0).any() else None)
+    claimed = evidence > 3.0
+    sky = Sky(sky.mask & ~claimed, np.where(claimed, 99.0, sky.distance).astype(np.float32), sky.colors)
+    crown = find_crown((sky.distance > FAR) & ~sky.mask, sky.mask, claimed if claimed.any() else None)
+    if crown is None:
+        crown = _assume_centre(name, texture, sky)
+    tree = label_tree(rgb, lab, texture, sky.mask, crown, evidence, rounds=2)
+    trunk = trace_trunk(lab, tree > 0.5, centre=crown.centre, width=crown.width)
+    if trunk is not None:
+        evidence = evidence + _beside_trunk(trunk, tree, crown)
+    tree = label_tree(rgb, lab, texture, sky.mask, crown, evidence, rounds=2)
+    alpha, confidence = _split(lab, sky, tree)
+    if trunk is not None:
+        _draw_trunk(alpha, confidence, trunk, crown)
+    if scribbles is not None:
+        for label, value in ((TREE, 1.0), (BACKGROUND, 0.0)):
+            alpha[scribbles == label] = value
+            confidence[scribbles == label] = KNOWN
+        confidence[scribbles == UNKNOWN] = _OPEN
+    share = float(alpha.mean())
+    remedy = "scribble on the tree and beside it, or pick their colours"
+    check.require(share > 0.001, name, "must show a tree", "no tree found", remedy)
+    check.require(share < 0.98, name, "must show something beside the tree", "one thing all over", remedy)
+    return alpha, confidence
+
+
+def _deviation(lab: NDArray[np.float32], reach: int) -> NDArray[np.float32]:
+    """Standard deviation (h, w) of the colours in a square window."""
+    window = (2 * reach + 1, 2 * reach + 1)
+    mean = cv2.blur(lab, window, borderType=cv2.BORDER_REFLECT)
+    square = cv2.blur(lab * lab, window, borderType=cv2.BORDER_REFLECT)
+    deviation: NDArray[np.float32] = np.sqrt(np.maximum(square - mean * mean, 0.0).sum(axis=2))
+    return deviation
+
+
+def _evidence(
+    lab: NDArray[np.float32],
+    scribbles: NDArray[np.uint8] | None,
+    tree_colors: NDArray[np.float32] | None,
+    other_colors: NDArray[np.float32] | None,
+) -> NDArray[np.float32]:
+    """Log-odds (h, w) for the tree from what the user said."""
+    evidence = np.zeros(lab.shape[:2], np.float32)
+    for colors, sign in ((tree_colors, 1.0), (other_colors, -1.0)):
+        if colors is not None and len(colors):
+            away = np.min([np.linalg.norm(lab - color, axis=2) for color in colors], axis=0)
+            evidence += np.float32(5.0 * sign) * np.exp(-((away / _PICKED) ** 2)).astype(np.float32)
+    if scribbles is not None:
+        evidence[scribbles == TREE] = 8.0
+        evidence[scribbles == BACKGROUND] = -8.0
+    return evidence
+
+
+def _assume_centre(name: str, texture: NDArray[np.float32], sky: Sky) -> Crown:
+    """Without a crown before the sky the tree is looked for in the middle of the picture."""
+    height, width = texture.shape
+    rows, columns = np.mgrid[:height, :width]
+    away = np.hypot((rows - 0.45 * height) / (0.3 * height), (columns - 0.5 * width) / (0.25 * width))
+    core = (away < 1.0) & ~sky.mask & (texture > 3.0)
+    check.require(
+        core.sum() > 0.002 * height * width,
+        name,
+        "must show a tree",
+        "no tree found",
+        "scribble on the tree and beside it, or pick their colours",
+    )
+    side = 0.35 * width
+    left, right = np.full(height, 0.5 * width - side), np.full(height, 0.5 * width + side)
+    return Crown(core, np.full(width, 0.3 * height), left, right, 0.5 * width, 2.0 * side)
+
+
+def _beside_trunk(trunk: Trunk, tree: NDArray[np.float32], crown: Crown) -> NDArray[np.float32]:
+    """Log-odds against everything beside a trunk that stands free: there the crown has ended."""
+    height, width = tree.shape
+    free = np.zeros(len(trunk.rows), bool)
+    for at, (row, x, half) in enumerate(zip(trunk.rows, trunk.centre, trunk.half, strict=True)):
+        flanks = [
+            tree[row, max(0, x - 3 * half) : max(0, x - half)],
+            tree[row, x + half + 1 : x + 3 * half + 1],
+        ]
+        beside = min((float(flank.mean()) for flank in flanks if flank.size), default=1.0)
+        hidden = row > crown.horizon[min(max(x, 0), width - 1)]
+        free[at] = hidden and trunk.contrast[at] > 2.0 and beside < 0.5
+    against = np.zeros((height, width), np.float32)
+    # The free stretch begins where most rows from there on are free.
+    share = np.cumsum(free[::-1])[::-1] / np.arange(len(free), 0, -1)
+    begin = np.flatnonzero((share >= 0.6) & free)
+    if len(begin) == 0:
+        return against
+    first = int(trunk.rows[begin[0]])
+    ramp = np.clip((np.arange(height) - first) / (0.05 * height), 0.0, 1.0)
+    against -= (3.0 * ramp[:, None]).astype(np.float32)
+    for row, x, half in zip(trunk.rows, trunk.centre, trunk.half, strict=True):
+        against[row, max(0, x - half) : x + half + 1] = 0.0
+    return against
+
+
+def _split(
+    lab: NDArray[np.float32], sky: Sky, tree: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Alpha and confidence from the labels and, where sky is near, from the colours of tree and sky."""
+    likely = tree > 0.5
+    alpha = tree.copy()
+    near_sky = np.zeros_like(likely)
+    if sky.colors is not None:
+        solid = (likely & (sky.distance > 8.0)).astype(np.float32)
+        colors = fit_local_gaussian(lab, solid)
+        # Fisher's direction: lights and shadows among the leaves count less than what tells leaf from sky.
+        apart = colors.mean - sky.colors.mean
+        spread = colors.floored(_NOISE) + sky.colors.floored(_NOISE)
+        direction = np.linalg.solve(spread, apart[..., None])[..., 0]
+        length = np.maximum((apart * direction).sum(axis=2), 1e-3)
+        along = np.clip(((lab - sky.colors.mean) * direction).sum(axis=2) / length, 0.0, 1.0)
+        reach = 2 * max(4, round(0.02 * max(tree.shape))) + 1
+        near_sky = cv2.blur(sky.mask.astype(np.float32), (reach, reach)) > 0.0
+        alpha = np.where(near_sky, along, alpha).astype(np.float32)
+    touched = cv2.dilate(likely.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
+    alpha[~touched] = 0.0
+    confidence = np.full(tree.shape, _WEAK, np.float32)
+    clear = sky.mask & (sky.distance < NEAR)
+    other = cv2.erode((tree < 0.1).astype(np.uint8), np.ones((7, 7), np.uint8)) > 0
+    nothing = clear | other | ~touched
+    alpha[nothing], confidence[nothing] = 0.0, KNOWN
+    open_ = cv2.blur(sky.mask.astype(np.float32), (3, 3)) > 0.0
+    sure = likely & (tree > 0.9) & (alpha > 0.85) & ~open_
+    alpha[sure], confidence[sure] = 1.0, _FIRM
+    return alpha, confidence
+
+
+def _draw_trunk(
+    alpha: NDArray[np.float32], confidence: NDArray[np.float32], trunk: Trunk, crown: Crown
+) -> None:
+    """Below the horizon: tree inside the band, unknown at its edges."""
+    width = alpha.shape[1]
+    for row, x, half in zip(trunk.rows, trunk.centre, trunk.half, strict=True):
+        if row <= crown.horizon[min(max(x, 0), width - 1)]:
+            continue
+        edge = slice(max(0, int(x - 1.5 * half) - 1), int(x + 1.5 * half) + 2)
+        inner = slice(max(0, int(x - 0.6 * half)), int(x + 0.6 * half) + 1)
+        confidence[row, edge] = np.where(confidence[row, edge] >= KNOWN, _OPEN, confidence[row, edge])
+        alpha[row, inner], confidence[row, inner] = 1.0, _FIRM
