@@ -87,7 +87,7 @@ def test_the_last_override_counts_and_the_rest_stays():
     [
         ("flow.particle_cuont=3", r"flow\.particle_cuont: .* did you mean 'flow\.particle_count'\?"),
         ("flwo.particle_count=3", r"did you mean 'flow\.particle_count'\?"),
-        ("flow.#=3", r"use one of flow\."),
+        ("flow.qqqqqqqqqqqqqqqqqqqqqqqqq=3", r"use one of flow\."),
         ("flow=3", r"must be a parameter"),
         ("flow.particle_count", r"must look like NAME=VALUE"),
         ("flow.particle_count=0", r"must be at least 1, but got 0"),

@@ -36,6 +36,7 @@ def load_project(folder: str | Path) -> Project:
     photos = table.get("photos")
     listed = isinstance(photos, list) and len(photos) > 0
     check.require(listed, name, "needs a list of photos", repr(photos)[:60], _SAVE_AGAIN)
+    copies = tuple(_file(base, place, name) for place in photos)
     params = load_params(base / "params.toml")
     pictures = _mapping(table.get("pictures", {}), name)
     values = params.model_dump()
@@ -50,7 +51,7 @@ def load_project(folder: str | Path) -> Project:
         for kind in PER_PHOTO
     }
     return Project(
-        photos=tuple(_file(base, place, name) for place in photos),
+        photos=copies,
         yaws=_yaws(table.get("yaws"), name),
         height=_number(table.get("height"), "height", name),
         seed=_seed(table.get("seed", 0), name),
@@ -66,7 +67,8 @@ def _mapping(value: Any, name: str) -> dict[str, Any]:
 
 def _file(base: Path, place: Any, name: str) -> Path:
     """A file inside the folder: a project from elsewhere must not read what lies around it."""
-    check.require(isinstance(place, str), name, "must name files", repr(place)[:60], _SAVE_AGAIN)
+    named = isinstance(place, str) and "\0" not in place
+    check.require(named, name, "must name files", repr(place)[:60], _SAVE_AGAIN)
     path = base / str(place)
     inside = path.resolve().is_relative_to(base.resolve())
     check.require(inside, name, "must name files inside the project", place, _SAVE_AGAIN)
