@@ -25,10 +25,11 @@ class CellGrid:
 def cell_of(grid: CellGrid, at: wp.vec3):
     """Cell coordinates; a point outside the box belongs to the nearest cell at its border."""
     place = (at - grid.corner) / grid.edge
+    # Clamped before the conversion: what an integer cannot hold would come out anywhere.
     return wp.vec3i(
-        wp.clamp(int(wp.floor(place[0])), 0, grid.nx - 1),
-        wp.clamp(int(wp.floor(place[1])), 0, grid.ny - 1),
-        wp.clamp(int(wp.floor(place[2])), 0, grid.nz - 1),
+        int(wp.clamp(wp.floor(place[0]), 0.0, float(grid.nx - 1))),
+        int(wp.clamp(wp.floor(place[1]), 0.0, float(grid.ny - 1))),
+        int(wp.clamp(wp.floor(place[2]), 0.0, float(grid.nz - 1))),
     )
 
 
@@ -61,7 +62,7 @@ def bound_cells(
     # out:
     begin_out: wp.array[int],  # (cells + 1,), where each cell begins in the sorted list
 ):
-    """Finds where each cell begins: index i of ``count + 1`` writes the cells after the last key to its own."""
+    """Index i of ``count + 1`` writes the beginnings of the cells after the last key up to its own."""
     i = first + wp.tid()
     low = int(0)
     if i > 0:

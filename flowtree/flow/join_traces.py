@@ -11,12 +11,15 @@ from flowtree.model.traces import FlowTraces
 
 
 def join_traces(
-    trace: NDArray[np.float32],
+    start: NDArray[np.float32],
+    points: NDArray[np.float32],
+    step: NDArray[np.int32],
+    particle: NDArray[np.int32],
+    *,
     begin_step: NDArray[np.int32],
     end_step: NDArray[np.int32],
     joined: NDArray[np.int32],
-    *,
-    seed_points: NDArray[np.float32],
+    last: int,
 ) -> FlowTraces:
     """Connects every particle's path to whom it joined, and all of them to the root at the foot.
 
@@ -24,40 +27,46 @@ def join_traces(
     to the nearest point of a path that did: no input leaves a particle unconnected.
 
     Args:
-        trace: (steps + 1, n, 3) [m], every particle's place at the beginning of each step.
-        begin_step: (n,) step in which it set off, -1 for never.
-        end_step: (n,) last step with a place of its own.
+        start: (n, 3) [m], where each particle began: the only point of one that never set off.
+        points: (m, 3) [m], recorded places, in any order: one for each particle and each step from its first
+            to its last.
+        step: (m,) the step at whose beginning the particle was there.
+        particle: (m,) whose place it is.
+        begin_step: (n,) step in which each set off, -1 for never.
+        end_step: (n,) last step with a place of its own, -1 for those that were still under way.
         joined: (n,) the particle it went over to, -1 for none.
-        seed_points: (n, 3) [m], where each started.
+        last: the last step recorded.
 
     Returns: the traces; node 0 is the root at the origin with all particles.
     """
-    last = len(trace) - 1
-    count = len(begin_step)
-    begin = np.where(begin_step >= 0, begin_step, last)
+    idle = np.flatnonzero(begin_step < 0).astype(np.int32)
+    points = np.concatenate([points, start[idle]])
+    step = np.concatenate([step, np.full(len(idle), last, np.int32)])
+    particle = np.concatenate([particle, idle])
+    begin = np.where(begin_step >= 0, begin_step, last).astype(np.int64)
     end = np.maximum(np.where(end_step >= 0, end_step, last), begin)
-    steps = np.arange(last + 1)[:, None]
-    there = (steps >= begin) & (steps <= end)
-    node = np.full(there.shape, -1, np.int64)
-    node[there] = np.arange(1, there.sum() + 1)
-    step, particle = np.nonzero(there)
-    points = np.concatenate([np.zeros((1, 3), np.float32), trace[step, particle]])
-    follows = step < end[particle]
-    goes_over = ~follows & (joined[particle] >= 0)
-    parent = np.zeros(len(step) + 1, np.int64)  # who arrived is connected to the root
+    length = end - begin + 1
+    origin = 1 + np.cumsum(length) - length - begin  # node of (particle, step) is origin[particle] + step
+    node = origin[particle] + step
+    place = np.zeros((len(node) + 1, 3), np.float32)
+    place[node] = points
+    recorded = np.full(len(node) + 1, last + 1, np.int32)
+    recorded[node] = step
+    parent = np.arange(1, len(node) + 2)  # a path goes on to its next point
     parent[0] = -1
-    parent[1:][follows] = node[step[follows] + 1, particle[follows]]
-    parent[1:][goes_over] = node[step[goes_over] + 1, joined[particle[goes_over]]]
-    lost = np.flatnonzero(~follows & ~goes_over & (end_step[particle] < 0)) + 1
+    tip = origin + end
+    goes_over = joined >= 0
+    host = joined[goes_over]
+    parent[tip[goes_over]] = origin[host] + end[goes_over] + 1
+    parent[tip[~goes_over]] = 0  # who arrived is connected to the root
+    parent = _connect_lost(parent, place, tip[~goes_over & (end_step < 0)])
     own = np.zeros(len(parent), np.int32)
-    own[node[begin, np.arange(count)]] = 1
-    parent = _connect_lost(parent, points, lost)
-    order, parent_sorted = parents_first(parent)
-    recorded = np.concatenate([[last + 1], step]).astype(np.int32)
+    own[origin + begin] = 1
+    order, sorted_parent = parents_first(parent)
     return FlowTraces(
-        parent=parent_sorted,
-        points=points[order],
-        particles=sum_to_root(parent_sorted, own[order]),
+        parent=sorted_parent,
+        points=place[order],
+        particles=sum_to_root(sorted_parent, own[order]),
         step=recorded[order],
     )
 
@@ -68,12 +77,10 @@ def _connect_lost(
     """Hangs the ends of lost paths to the nearest point of a path that reached the root."""
     if not len(lost):
         return parent
-    roots = parent.copy()
-    roots[lost] = -1
-    reached = _root_of(roots) == 0
-    tree = cKDTree(points[reached])
     parent = parent.copy()
-    parent[lost] = np.flatnonzero(reached)[tree.query(points[lost])[1]]
+    parent[lost] = -1
+    reached = np.flatnonzero(_root_of(parent) == 0)
+    parent[lost] = reached[cKDTree(points[reached]).query(points[lost])[1]]
     return parent
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter, zoom
+from scipy.ndimage import gaussian_filter, map_coordinates
 from skimage.graph import MCP_Geometric
 
 from flowtree.model.volume import DensityVolume
@@ -20,22 +20,26 @@ def route_to_foot(volume: DensityVolume) -> tuple[NDArray[np.float32], NDArray[n
     the ground; the way through the density leads them up the branch and down the trunk, as sap would go.
 
     Returns:
-        directions: (nx, ny, nz, 3) float32, at the points of a box.
+        directions: (nx, ny, nz, 3) float32, at the points of a box one spacing wider than the volume; 0 where
+            there is no way to go.
         corner: (3,) float32 [m], point (0, 0, 0).
         spacing: of the points [m].
     """
-    share = min(1.0, _POINTS / volume.density.shape[1])
-    coarse = zoom(volume.density, share, order=1) if share < 1.0 else volume.density
-    coarse = gaussian_filter(
-        np.pad(coarse, 1, mode="edge"), 0.7
-    )  # the border lets gradients be taken everywhere
-    spacing = volume.voxel * volume.density.shape[1] / (coarse.shape[1] - 2)
+    shape = np.array(volume.density.shape)
+    stride = max(1.0, shape[1] / _POINTS, shape.max() / (3 * _POINTS))
+    spacing = stride * float(volume.voxel)
     corner = volume.origin - 0.5 * spacing
-    filled = np.clip(coarse / max(float(np.quantile(coarse[coarse > 0], 0.5)), 1e-9), 0.0, 1.0)
-    cost = 1.0 + (_EMPTY - 1.0) * (1.0 - filled)
+    # The border of one point more lets gradients be taken everywhere.
+    axes = [(np.arange(int(np.ceil(n / stride)) + 2) - 0.5) * stride - 0.5 for n in shape]
+    density = volume.density.astype(np.float64)
+    coarse = map_coordinates(density, np.meshgrid(*axes, indexing="ij"), order=1, mode="nearest")
+    coarse = gaussian_filter(coarse, 0.7)
+    solid = coarse[coarse > 0]
+    usual = float(np.quantile(solid, 0.5)) if len(solid) else 1.0
+    cost = 1.0 + (_EMPTY - 1.0) * (1.0 - np.minimum(coarse / usual, 1.0))
     foot = tuple(int(k) for k in np.clip(np.round(-corner / spacing), 0, np.array(coarse.shape) - 1))
     way, _ = MCP_Geometric(cost).find_costs([foot])
     slope = np.stack(np.gradient(gaussian_filter(way, 0.7)), axis=-1)
     length = np.linalg.norm(slope, axis=-1, keepdims=True)
     directions = np.divide(-slope, length, out=np.zeros_like(slope), where=length > 1e-9)
-    return directions.astype(np.float32), corner.astype(np.float32), float(spacing)
+    return directions.astype(np.float32), corner.astype(np.float32), spacing

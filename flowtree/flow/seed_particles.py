@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flowtree import check
 from flowtree.model.volume import DensityVolume
 
 
@@ -16,27 +15,27 @@ def seed_particles(volume: DensityVolume, count: int, *, seed: int = 0) -> NDArr
     (Morton) curve, and each of ``count`` equal shares of the total density gets one particle. Every place
     keeps its probability, but particles neither clump nor leave gaps.
 
-    Returns: (count, 3) float32 [m].
+    Args:
+        volume: that holds density.
+        count: particles.
+        seed: of the draws.
 
-    Raises:
-        InputError: a volume that is empty, negative or not finite.
+    Returns: (count, 3) float32 [m].
     """
-    density = check.array(volume.density, "volume.density", shape=(None, None, None), low=0.0)
-    filled = np.argwhere(density > 0)
-    check.require(len(filled) > 0, "volume", "must hold density", "an empty one", "check the mattes")
+    filled = np.argwhere(volume.density > 0)
     filled = filled[np.argsort(_morton(filled), kind="stable")]
-    share = np.cumsum(density[tuple(filled.T)], dtype=np.float64)
+    share = np.cumsum(volume.density[tuple(filled.T)], dtype=np.float64)
     random = np.random.default_rng(seed)
     draws = (np.arange(count) + random.random(count)) * (share[-1] / count)
     voxel = filled[np.minimum(np.searchsorted(share, draws, side="right"), len(filled) - 1)]
-    place = volume.origin + (voxel + random.random((count, 3))) * volume.voxel
-    return place.astype(np.float32)
+    place = volume.origin + (voxel + random.random((count, 3))) * float(volume.voxel)
+    return np.asarray(place, np.float32)
 
 
 def _morton(cells: NDArray[np.int64]) -> NDArray[np.int64]:
     """The bits of the three coordinates, interleaved."""
     code = np.zeros(len(cells), np.int64)
-    for bit in range(10):
+    for bit in range(int(cells.max()).bit_length()):
         for axis in range(3):
             code |= ((cells[:, axis] >> bit) & 1) << (3 * bit + axis)
     return code

@@ -10,7 +10,9 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from flowtree import check, device
+from flowtree import device
+from flowtree.flow.check_inputs import check_fields, check_volume
+from flowtree.flow.count_particles import count_particles
 from flowtree.flow.join_traces import join_traces
 from flowtree.flow.route_to_foot import route_to_foot
 from flowtree.flow.seed_particles import seed_particles
@@ -19,7 +21,7 @@ from flowtree.kernels.advance_particles import FlowForces, TimeGrid, advance_par
 from flowtree.kernels.cell_list import CellGrid, assign_cells, bound_cells
 from flowtree.kernels.find_nearest import find_nearest
 from flowtree.kernels.flow_fields import FlowFields
-from flowtree.kernels.join_pairs import join_pairs
+from flowtree.kernels.join_particles import join_particles
 from flowtree.kernels.time_flow import time_flow
 from flowtree.model.field import DirectionField
 from flowtree.model.traces import FlowTraces
@@ -29,7 +31,8 @@ from flowtree.params import FlowParams
 _ARRIVAL = 0.012  # of the height: closer to the foot than this has arrived
 _BASIN = 0.05  # of the height: nearer than this the foot alone attracts
 _TIME_POINTS = 20  # points along the height of the grid of free-flow times
-_LOOK = 8  # steps between two looks at whether anybody still moves
+_BLOCK = 8  # steps between two looks at who is still on the way
+_LONGEST = 8.0  # tree heights of way after which the rest is taken as lost
 
 
 def trace_particles(
@@ -45,7 +48,7 @@ def trace_particles(
     Each particle is a mass with a velocity (equation 2). The force on it turns the velocity into the wanted
     one: the average of the views' direction fields, a pull to the nearest neighbour that fades to nothing at
     ``attraction_radius``, and a pull to the basis. The system is solved with the classical fourth-order
-    Runge-Kutta method. Mutual nearest neighbours under a threshold join; mass and momentum are kept.
+    Runge-Kutta method. Particles under a threshold join; mass and momentum are kept.
 
     Deviations, each measured on trees with known truth:
       * A component of the world vector is averaged over the views that see it. A plain average halves what
@@ -53,6 +56,10 @@ def trace_particles(
       * Particles join only when they meet, so those that start near the foot wait. A grid of free-flow times
         (the way a lone particle has from there) says when each sets off, and while they flow, particles that
         are late hurry: all come to the trunk together and leave it as one.
+      * The threshold grows with the root of the joint mass, as limbs do, and a particle joins the heavier one
+        whose threshold it has gone past farthest, not only its nearest neighbour and not only in pairs: a
+        limb takes in at once all that have come into it. (In pairs, hundreds of those that started inside
+        the trunk reached the foot on their own, each beside the next.)
       * The mass acts as a time of response ``response * mass**inertia``: with the full mass in it no trunk of
         2,000 particles could follow a bend.
       * Who has not arrived after twice the expected time is joined to the nearest path that has.
@@ -65,18 +72,19 @@ def trace_particles(
         device: where the kernels run; None picks.
 
     Raises:
-        InputError: no field, fields of different resolution, an empty volume.
+        InputError: fields that cannot be sampled together, a volume that is empty or not finite.
     """
-    check.require(
-        len(fields) > 0, "fields", "must be one a view", "none", "build a direction field for each view"
-    )
-    shapes = {field.vectors.shape for field in fields}
-    check.require(len(shapes) == 1, "fields", "must share one resolution", sorted(shapes), "build them alike")
+    check_volume(volume)
+    check_fields(fields)
     where = _device(device)
-    start = seed_particles(volume, params.particle_count, seed=seed)
+    start = seed_particles(volume, params.particle_count or count_particles(volume), seed=seed)
     flow = _Flow(volume, fields, start, params, where)
-    steps = flow.run()
-    return join_traces(flow.trace.numpy()[: steps + 1], *flow.ends(), seed_points=start)
+    last = flow.run()
+    points, step, particle = flow.recorded()
+    begin, end, joined = flow.ends()
+    return join_traces(
+        start, points, step, particle, begin_step=begin, end_step=end, joined=joined, last=last
+    )
 
 
 def _device(name: str | None) -> str:
@@ -92,6 +100,7 @@ class _Buffers:
     state: tuple[Any, Any]
     position: Any
     nearest: Any
+    host: Any
     key: Any
     index: Any
     begin: Any
@@ -112,17 +121,22 @@ class _Flow:
         self.params = params
         self.count = len(start)
         low = np.asarray(volume.origin, np.float64)
-        size = np.array(volume.density.shape) * volume.voxel
-        self.height = float(low[1] + size[1])
+        size = np.array(volume.density.shape) * float(volume.voxel)
+        # The unit of all lengths; not the height where a box lies so far aside that there is no tree's shape.
+        aside = 0.5 * float(np.abs([low, low + size]).max())
+        self.height = max(float(low[1] + size[1]), aside)
         self.fields = self._upload_fields(volume, fields)
-        self.times, times = self._free_flow_times(low, size)
-        self.grid = _cell_grid(low, size, max(params.attraction_radius, params.join_distance) * self.height)
+        self.times = self._free_flow_times(low, size)
+        self.radius = max(params.attraction_radius, params.join_distance) * self.height
+        self.grid = _cell_grid(low, size, self.radius)
         start_time = self._flow_times(start)
         self.start_time = device.upload(start_time, float, where)
         self.front = float(start_time.max())
-        self.steps = int(2 * max(self.front, float(times.min())) / (params.step * self.height)) + 64
-        self.trace = device.zeros((self.steps + 1, self.count), wp.vec3, where)
-        self.trace[0].assign(start)
+        self.steps = int(min(2 * self.front / self.height, _LONGEST) / params.step) + 64
+        # The places at the beginning of a block of steps and after each of them.
+        self.block = device.zeros((_BLOCK + 1, self.count), wp.vec3, where)
+        self.block[0].assign(start)
+        self.records: list[tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.int32]]] = []
         self.joined = device.upload(np.full(self.count, -1, np.int32), int, where)
         self.begin_step = device.upload(np.full(self.count, -1, np.int32), int, where)
         self.end_step = device.upload(np.full(self.count, -1, np.int32), int, where)
@@ -131,13 +145,33 @@ class _Flow:
         """Steps until nobody moves or waits; returns the number of steps taken."""
         buffers = self._buffers()
         length = self.params.step * self.height
-        for number in range(self.steps):
-            self._find_nearest(buffers, number)
-            self._join(buffers, number)
-            self._advance(buffers, number, self.front - number * length, length)
-            if number % _LOOK == _LOOK - 1 and not (buffers.state[0].numpy() < 2).any():
-                return number + 1
-        return self.steps
+        number = 0
+        while number < self.steps:
+            for row in range(_BLOCK):
+                self._find_nearest(buffers, row)
+                self._join(buffers, row, number + row)
+                self._advance(buffers, row, number + row, self.front - (number + row) * length, length)
+            self._record(number, _BLOCK)
+            number += _BLOCK
+            self.block[0].assign(self.block[_BLOCK])
+            if (self.end_step.numpy() >= 0).all():
+                break
+        self._record(number, 1)
+        return number
+
+    def recorded(self) -> tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.int32]]:
+        """Places (m, 3), steps (m,) and particles (m,) of everybody who was on the way."""
+        points, steps, particles = zip(*self.records, strict=True)
+        return np.concatenate(points), np.concatenate(steps), np.concatenate(particles)
+
+    def _record(self, number: int, rows: int) -> None:
+        """Keeps, of the block's first rows, the places of those on the way: a thirtieth of all."""
+        begin, end = self.begin_step.numpy(), self.end_step.numpy()
+        steps = number + np.arange(rows)[:, None]
+        there = (begin >= 0) & (steps >= begin) & ((end < 0) | (steps <= end))
+        row, particle = np.nonzero(there)
+        places = self.block.numpy()[row, particle]
+        self.records.append((places, (number + row).astype(np.int32), particle.astype(np.int32)))
 
     def ends(self) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
         """First step, last step (-1: still under way) and the particle joined (-1: none), of each."""
@@ -151,29 +185,32 @@ class _Flow:
             state=(device.zeros(n, int, where), device.zeros(n, int, where)),
             position=device.zeros(n, wp.vec3, where),
             nearest=device.zeros(n, int, where),
+            host=device.zeros(n, int, where),
             key=device.zeros(2 * n, int, where),
             index=device.zeros(2 * n, int, where),
             begin=device.zeros(self.grid.nx * self.grid.ny * self.grid.nz + 1, int, where),
         )
 
-    def _find_nearest(self, b: _Buffers, number: int) -> None:
-        n, where, position = self.count, self.where, self.trace[number]
+    def _find_nearest(self, b: _Buffers, row: int) -> None:
+        n, where, position = self.count, self.where, self.block[row]
         cells = self.grid.nx * self.grid.ny * self.grid.nz
         device.launch(assign_cells, n, [position, b.state[0], self.grid], [b.key, b.index], device=where)
         device.sort_pairs(b.key, b.index, n)
         device.launch(bound_cells, n + 1, [b.key, n, cells], [b.begin], device=where)
-        radius = max(self.params.attraction_radius, self.params.join_distance) * self.height
-        inputs = [position, b.state[0], b.index, b.begin, self.grid, radius]
-        device.launch(find_nearest, n, inputs, [b.nearest], device=where)
+        inputs = [position, b.mass[0], b.state[0], b.index, b.begin, self.grid, self.radius, *self._reach()]
+        device.launch(find_nearest, n, inputs, [b.nearest, b.host], device=where)
 
-    def _join(self, b: _Buffers, number: int) -> None:
-        reach, growth = self.params.join_distance * self.height, self.params.join_growth * self.height
-        inputs = [self.trace[number], b.velocity[0], b.mass[0], b.state[0], b.nearest, reach, growth, number]
+    def _join(self, b: _Buffers, row: int, number: int) -> None:
+        inputs = [self.block[row], b.velocity[0], b.mass[0], b.state[0], b.host, b.index, b.begin]
+        inputs += [self.grid, *self._reach(), number]
         outputs = [b.position, b.velocity[1], b.mass[1], b.state[1], self.joined, self.end_step]
-        device.launch(join_pairs, self.count, inputs, outputs, device=self.where)
+        device.launch(join_particles, self.count, inputs, outputs, device=self.where)
         b.mass = (b.mass[1], b.mass[0])
 
-    def _advance(self, b: _Buffers, number: int, front: float, length: float) -> None:
+    def _reach(self) -> tuple[float, float]:
+        return self.params.join_distance * self.height, self.params.join_growth * self.height
+
+    def _advance(self, b: _Buffers, row: int, number: int, front: float, length: float) -> None:
         forces = FlowForces()
         forces.attraction = self.params.attraction
         forces.attraction_radius = self.params.attraction_radius * self.height
@@ -181,9 +218,13 @@ class _Flow:
         forces.inertia = self.params.inertia
         forces.pace = self.params.pace / self.height
         inputs = [b.position, b.velocity[1], b.mass[0], b.state[1], b.nearest, self.start_time]
-        inputs += [self.fields, forces, self.times, front, length, _ARRIVAL * self.height, number]
-        outputs = [self.trace[number + 1], b.velocity[0], b.state[0], self.begin_step, self.end_step]
+        inputs += [self.fields, forces, self.times, front, length, self._arrival(), number]
+        outputs = [self.block[row + 1], b.velocity[0], b.state[0], self.begin_step, self.end_step]
         device.launch(advance_particles, self.count, inputs, outputs, device=self.where)
+
+    def _arrival(self) -> float:
+        """Closer to the foot than this has arrived [m]; a step must not leap over it."""
+        return max(_ARRIVAL, 2 * self.params.step) * self.height
 
     def _upload_fields(self, volume: DensityVolume, fields: Sequence[DirectionField]) -> FlowFields:
         where = self.where
@@ -209,34 +250,30 @@ class _Flow:
         step = 2 * self.params.step * self.height
         limit = int(4 * self.height / step)
         result = device.empty(len(points), float, self.where)
-        inputs = [
-            device.upload(points, wp.vec3, self.where),
-            self.fields,
-            step,
-            _ARRIVAL * self.height,
-            limit,
-        ]
+        inputs = [device.upload(points, wp.vec3, self.where), self.fields, step, self._arrival(), limit]
         device.launch(time_flow, len(points), inputs, [result], device=self.where)
         times: NDArray[np.float32] = result.numpy()
         return times
 
-    def _free_flow_times(
-        self, low: NDArray[np.float64], size: NDArray[np.float64]
-    ) -> tuple[TimeGrid, NDArray[np.float32]]:
-        spacing = self.height / _TIME_POINTS
-        shape = np.maximum(np.ceil(size / spacing).astype(int) + 1, 2)
-        points = low + np.stack(np.meshgrid(*(np.arange(k) for k in shape), indexing="ij"), axis=-1) * spacing
-        values = self._flow_times(points.reshape(-1, 3).astype(np.float32)).reshape(shape)
+    def _free_flow_times(self, low: NDArray[np.float64], size: NDArray[np.float64]) -> TimeGrid:
+        spacing = max(self.height, float(size.max()) / 3) / _TIME_POINTS
+        corner = (
+            np.floor(low / spacing) * spacing
+        )  # the foot is a point of the grid: near it the time is exact
+        shape = np.maximum(np.ceil((low + size - corner) / spacing).astype(int) + 1, 2)
+        points = corner + np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1) * spacing
         times = TimeGrid()
+        values = self._flow_times(points.reshape(-1, 3).astype(np.float32)).reshape(shape)
         times.time = device.upload(values, float, self.where)
-        times.corner = wp.vec3(*map(float, low))
+        times.corner = wp.vec3(*map(float, corner))
         times.spacing = spacing
-        return times, values
+        return times
 
 
-def _cell_grid(low: NDArray[np.float64], size: NDArray[np.float64], edge: float) -> CellGrid:
+def _cell_grid(low: NDArray[np.float64], size: NDArray[np.float64], radius: float) -> CellGrid:
+    """Cells as wide as the radius, but at most 64 along a side."""
     grid = CellGrid()
     grid.corner = wp.vec3(*map(float, low))
-    grid.edge = edge
-    grid.nx, grid.ny, grid.nz = (max(1, int(np.ceil(s / edge))) for s in size)
+    grid.edge = max(radius, float(size.max()) / 64)
+    grid.nx, grid.ny, grid.nz = (max(1, int(np.ceil(s / grid.edge))) for s in size)
     return grid
