@@ -59,7 +59,7 @@ def is_watertight(triangles: NDArray[np.int32]) -> bool:
 
 
 def _merge(positions: NDArray[np.float32], group: Ints) -> tuple[Ints, Ints]:
-    """Numbers the vertices (n,), alike for equal positions of one group; and names a vertex of each number."""
+    """Numbers vertices (n,), alike for equal positions of one group; and names one vertex a number."""
     order = np.lexsort((*positions.T, group))
     same = (positions[order][1:] == positions[order][:-1]).all(axis=1) & (np.diff(group[order]) == 0)
     fresh = np.concatenate([[True], ~same])[: len(order)]

@@ -1,0 +1,177 @@
+"""A canvas in leaf coordinates: blades, stalks and needles are stamped onto it one over the other."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt, gaussian_filter
+
+Floats = NDArray[np.float64]
+
+_FINER = 3  # samples along each side of a pixel while painting
+
+
+class LeafCanvas:
+    """Coverage and relative colour of a leaf, its stalk's end at the bottom's centre, 1 high.
+
+    Attributes:
+        cover: (h, w) float64 in 0..1.
+        color: (h, w, 3) float64, linear, relative to the leaf's mean.
+    """
+
+    def __init__(self, rng: np.random.Generator, width: float, pixels: int) -> None:
+        """An empty canvas.
+
+        Args:
+            rng: of the mottling.
+            width: of the canvas, in heights.
+            pixels: height of the finished picture.
+        """
+        rows = pixels * _FINER
+        columns = 8 * max(1, round(pixels * width / 8)) * _FINER
+        self._pitch = width / columns
+        self._x = (np.arange(columns) + 0.5) * self._pitch - width / 2
+        self._y = 1.0 - (np.arange(rows) + 0.5) / rows
+        self.cover = np.zeros((rows, columns))
+        self.color = np.ones((rows, columns, 3))
+        noise = rng.standard_normal((2, rows // 8, columns // 8))
+        smooth = [gaussian_filter(part, 6.0 * pixels / 256, mode="wrap") for part in noise]
+        self._mottling = [np.kron(part / max(part.std(), 1e-12), np.ones((8, 8))) for part in smooth]
+
+    def blade(
+        self,
+        root: tuple[float, float],
+        angle: float,
+        length: float,
+        *,
+        slender: float,
+        widest: float,
+        veins: int = 9,
+        teeth: float = 0.0,
+        tint: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    ) -> None:
+        """Stamps a leaf blade.
+
+        Args:
+            root: (x, y) where it begins.
+            angle: from straight up, clockwise [radians].
+            length: from root to tip.
+            slender: half its largest width, in lengths.
+            widest: where along its length that is, 0..1.
+            veins: on each side; 0 for none.
+            teeth: depth of its serration, as a share of its width.
+            tint: relative linear colour.
+        """
+        window, along, aside = self._local(root, angle, length, slender * length * (1.0 + teeth))
+        t = np.clip(along / length, 0.0, 1.0)
+        # A sine whose argument is bent so that it peaks where the blade is widest.
+        bend = np.log(0.5) / np.log(widest)
+        outline = slender * length * np.abs(np.sin(np.pi * t**bend)) ** 0.85
+        saw = np.mod(t * 15.0 - 0.35 * np.abs(aside) / (slender * length), 1.0)
+        outline *= 1.0 + teeth * (saw - 0.5)
+        inside = np.clip((outline - np.abs(aside)) / self._pitch + 0.5, 0.0, 1.0) * (
+            (along > 0) & (along < length)
+        )
+        across = np.clip(np.abs(aside) / np.maximum(outline, 1e-6), 0.0, 1.0)
+        light = 1.0 + 0.05 * self._mottling[0][window] - 0.10 * across**4
+        # Halves are lit differently by the fold, which a few triangles show too weakly.
+        light += np.where(aside > 0, 0.04, -0.04)
+        warmth = 0.05 * self._mottling[1][window] + 0.05 * across**3
+        if veins:
+            wave = np.mod(veins * (t - 0.55 * slender * 2.0 * across**1.2 * (1.0 - 0.5 * t)), 1.0) - 0.5
+            thin = np.exp(-((wave / 0.07) ** 2)) * (1.0 - across) ** 0.5
+            light += 0.20 * thin - 0.07 * np.cos(2.0 * np.pi * wave)
+            warmth += 0.05 * thin
+        rib = np.exp(-((aside / (0.012 * length * (1.2 - t))) ** 2))
+        light += 0.28 * rib
+        warmth += 0.08 * rib
+        self._over(window, inside, light, warmth, tint)
+
+    def stroke(
+        self,
+        start: tuple[float, float],
+        angle: float,
+        length: float,
+        thick: tuple[float, float],
+        *,
+        tint: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    ) -> None:
+        """Stamps a stalk or needle, ``thick`` wide at its start and its end, round across."""
+        window, along, aside = self._local(start, angle, length, max(thick))
+        t = np.clip(along / length, 0.0, 1.0)
+        half = 0.5 * (thick[0] + (thick[1] - thick[0]) * t)
+        away = np.hypot(aside, np.maximum(np.maximum(-along, along - length), 0.0))
+        inside = np.clip((half - away) / self._pitch + 0.5, 0.0, 1.0)
+        light = (
+            0.8 + 0.35 * np.sqrt(np.clip(1.0 - (aside / np.maximum(half, 1e-6)) ** 2, 0.0, 1.0)) + 0.15 * t
+        )
+        self._over(window, inside, light, np.zeros_like(light), tint)
+
+    def finish(self, mean: Floats, cutoff: float) -> NDArray[np.uint8]:
+        """The picture (h, w, 4) uint8 sRGB, smaller by the finer samples, its colours settled by `settle`."""
+        rows, columns = (n // _FINER for n in self.cover.shape)
+        blocks = (rows, _FINER, columns, _FINER)
+        cover = self.cover.reshape(blocks).mean(axis=(1, 3))
+        premultiplied = (self.color * self.cover[:, :, None]).reshape(*blocks, 3).mean(axis=(1, 3))
+        color = premultiplied / np.maximum(cover, 1e-6)[:, :, None]
+        return settle(color, cover, mean, cutoff)
+
+    def _local(
+        self, root: tuple[float, float], angle: float, length: float, half: float
+    ) -> tuple[tuple[slice, slice], Floats, Floats]:
+        """The window that a stamp can reach, and its pixels' coordinates along and aside of the stamp."""
+        sine, cosine = np.sin(angle), np.cos(angle)
+        reach_x = sorted((root[0], root[0] + sine * length))
+        reach_y = sorted((root[1], root[1] + cosine * length))
+        margin = half + 3.0 * self._pitch
+        left, right = np.searchsorted(self._x, (reach_x[0] - margin, reach_x[1] + margin))
+        low, high = np.searchsorted(-self._y, (-reach_y[1] - margin, -reach_y[0] + margin))
+        window = (slice(int(low), int(high)), slice(int(left), int(right)))
+        x = self._x[window[1]][None, :] - root[0]
+        y = self._y[window[0]][:, None] - root[1]
+        return window, x * sine + y * cosine, x * cosine - y * sine
+
+    def _over(
+        self,
+        window: tuple[slice, slice],
+        inside: Floats,
+        light: Floats,
+        warmth: Floats,
+        tint: tuple[float, float, float],
+    ) -> None:
+        color = np.clip(light, 0.3, 1.6)[:, :, None] * np.array(tint)
+        color = color * (1.0 + warmth[:, :, None] * np.array([1.2, 0.3, -0.8]))
+        share = inside[:, :, None]
+        before = self.cover[window][:, :, None]
+        # Where nothing was before, the colour counts in full: an edge must not fade to the canvas.
+        self.color[window] = np.where(
+            before + share > 0,
+            (color * share + self.color[window] * before * (1.0 - share))
+            / np.maximum(share + before * (1.0 - share), 1e-9),
+            self.color[window],
+        )
+        self.cover[window] = inside + self.cover[window] * (1.0 - inside)
+
+
+def settle(color: Floats, cover: Floats, mean: Floats, cutoff: float) -> NDArray[np.uint8]:
+    """Gives the opaque texels a mean colour, and lets colours run out under the transparent ones.
+
+    Args:
+        color: (h, w, 3) linear, any scale.
+        cover: (h, w) in 0..1.
+        mean: (3,) linear, of the texels whose cover reaches the cutoff.
+        cutoff: of the alpha test.
+
+    Returns: (h, w, 4) uint8 sRGB. Without the bleeding a filtered texture shows fringes.
+    """
+    opaque = cover >= cutoff
+    relative = color / np.maximum(color[opaque].mean(axis=0), 1e-6)
+    for _ in range(8):  # what is clipped at white is given back to the rest
+        relative = np.clip(relative, 0.0, 1.0 / np.maximum(mean, 1e-6))
+        relative /= np.maximum(relative[opaque].mean(axis=0), 1e-6)
+    linear = np.clip(relative * mean, 0.0, 1.0)
+    nearest = distance_transform_edt(cover < 0.5 * cutoff, return_distances=False, return_indices=True)
+    linear = linear[nearest[0], nearest[1]]
+    srgb = np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1.0 / 2.4) - 0.055)
+    encoded: NDArray[np.uint8] = np.rint(255.0 * np.dstack([srgb, cover])).astype(np.uint8)
+    return encoded
