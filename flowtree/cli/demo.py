@@ -10,7 +10,7 @@ import typer
 from flowtree.cli.outputs import check_folder
 from flowtree.cli.progress import show_progress
 
-_PAIR = ("front.jpg", "side.jpg")
+_PAIR = ("photo_0.jpg", "photo_1.jpg")
 _HEIGHT = 12.0  # [m]
 
 

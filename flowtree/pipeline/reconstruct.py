@@ -8,8 +8,6 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from flowtree import check
 from flowtree.device import pick_device
 from flowtree.model.attractor import AttractorGraph
@@ -121,7 +119,13 @@ def reconstruct(
     count = len(photos)
     turns = choose_yaws(count, yaws)
     metres = _DEFAULT_HEIGHT if height is None else height
-    tall = check.array(metres, "height", shape=(), dtype=np.float64, low=0.01, high=_HIGHEST)
+    check.require(
+        isinstance(metres, int | float) and 0.01 <= metres <= _HIGHEST,
+        "height",
+        f"must be 0.01 to {_HIGHEST:g} metres",
+        repr(metres),
+        "give the tree's height in metres",
+    )
     whole = isinstance(seed, int) and 0 <= seed < 2**63
     check.require(whole, "seed", "must be a whole number from 0", repr(seed), "give another")
     views = len(turns)
@@ -138,7 +142,7 @@ def reconstruct(
         **{name: tuple(values * views if count == 1 else values) for name, values in given.items()},
         "mirrored": tuple(view >= count for view in range(views)),
         "yaw": turns,
-        "height": (float(tall),) * views,
+        "height": (float(metres),) * views,
         "bark_source": None if bark == "auto" else Path(bark),
         "leaf_source": None if leaf is None else Path(leaf),
     }
