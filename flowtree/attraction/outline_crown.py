@@ -87,4 +87,4 @@ def _narrowness(shape: NDArray[np.bool_], base: int) -> float:
     third = max(1, len(widths) // 3)
     taper = 1.0 - widths[:third].mean() / max(1.0, widths[-third:].mean())
     slender = len(widths) / max(1.0, widths.max())
-    return float(np.clip(1.6 * taper, 0.0, 1.0) * np.clip(slender, 0.0, 1.0))
+    return float(np.clip((taper - 0.4) / 0.25, 0.0, 1.0) * np.clip(slender, 0.0, 1.0))

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from flowtree.attraction.growing_tree import GrowingTree
 from flowtree.geometry.polylines import arc_lengths, resample_polyline, smooth_polyline
 
-_SMOOTH = 0.012  # of the height: sigma of the smoothing along a branch
+_SMOOTH = 0.018  # of the height: sigma of the smoothing along a branch
 _SPACING = 0.015  # of the height: distance of the nodes
-_WIDEST = 62.0  # [degrees] at a fork; wider ones are bent
+_WIDEST = 58.0  # [degrees] at a fork; wider ones are bent
 _BENT_TO = 45.0  # [degrees]
-_BEND = 0.07  # of the height: how far from a fork a branch is bent
+_KINK = 0.025  # of the height: a fork's angle is also taken this near to it
+_BEND = 0.09  # of the height: how far from a fork a branch is bent
 
 _Array = NDArray[np.float64]
 
@@ -106,12 +107,14 @@ def _relax_fork(
     if size == 0.0:
         return
     onward = onward / size
+    kink = min(bend, max(2, int(np.searchsorted(along, _KINK * tall))))
+    if max(_angle(line[kink] - line[0], onward), _angle(line[bend] - line[0], onward)) <= _WIDEST:
+        return
     out = line[bend] - line[0]
     forward = float(out @ onward)
     sideways = float(np.linalg.norm(out - forward * onward))
-    if np.degrees(np.arctan2(sideways, forward)) <= _WIDEST:
-        return
-    slide = min(sideways / np.tan(np.radians(_BENT_TO)) - forward, _BEND * tall)
+    slide = sideways / np.tan(np.radians(_BENT_TO)) - forward
+    slide = min(max(slide, _KINK * tall), _BEND * tall)
     back = np.cumsum(np.linalg.norm(np.diff(position[carrier.nodes[fork::-1]], axis=0), axis=1))
     steps = int(np.searchsorted(back, slide))
     lower = max(1 if fork > 1 else 0, fork - steps)
@@ -124,6 +127,12 @@ def _relax_fork(
     leave *= length / max(float(np.linalg.norm(leave)), 1e-9)
     arrive = tail * (length / max(float(np.linalg.norm(tail)), 1e-9))
     position[branch.nodes[1 : bend + 1]] = _hermite(start, line[bend], leave, arrive, bend)[1:]
+
+
+def _angle(direction: _Array, axis: _Array) -> float:
+    """Between a direction and a unit axis [degrees]."""
+    forward = float(direction @ axis)
+    return float(np.degrees(np.arctan2(np.linalg.norm(direction - forward * axis), forward)))
 
 
 def _hermite(start: _Array, end: _Array, leave: _Array, arrive: _Array, count: int) -> _Array:

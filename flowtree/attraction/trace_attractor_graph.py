@@ -27,6 +27,7 @@ from flowtree.model.photo import Photo
 from flowtree.params import AttractionParams
 
 _CROWDED = 0.03  # of the height: an automatic seed this near to a drawn branch would only double it
+_STUB = 0.04  # of the height: shorter automatic branches are noise of the outline
 _BARRED = 10.0  # times dearer: the stem below a given first fork
 
 _Array = NDArray[np.float64]
@@ -94,15 +95,18 @@ def trace_attractor_graph(
     attach_strokes(tree, cost, [grid.to_cells(line) for line in lines], tall=grid.tall)
     found = choose_seeds(grid, crown, count=automatic, mode=params.seed_mode, rng=rng)
     found = _away_from_strokes(found, tree, _CROWDED * grid.tall)
-    grow_paths(
-        tree,
-        cost,
-        np.concatenate([found, grid.cell_at(grid.to_cells(given))]),
-        target=goal,
-        tall=grid.tall,
-        limbs=_limb_count(crown),
-        merging=params.merging,
-    )
+    limbs = _limb_count(crown)
+    for cells, shortest in ((grid.cell_at(grid.to_cells(given)), 0.0), (found, _STUB)):
+        grow_paths(
+            tree,
+            cost,
+            cells,
+            target=goal,
+            tall=grid.tall,
+            limbs=limbs,
+            merging=params.merging,
+            shortest=shortest,
+        )
     parent, points = shape_branches(tree, grid.tall)
     plane = pixels_to_plane(grid.to_pixels(points), camera).astype(np.float32)
     plane[0] = 0.0  # exactly: rounding is no part of the foot
