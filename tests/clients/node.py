@@ -72,7 +72,10 @@ def _install() -> tuple[Path | None, str]:
     folder = cache / hashlib.sha256(wanted).hexdigest()[:16]
     if folder.is_dir():
         return folder, ""
-    cache.mkdir(parents=True, exist_ok=True)
+    try:
+        cache.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        return None, f"no place to install them: {error}"
     with tempfile.TemporaryDirectory(dir=cache) as fresh:
         (Path(fresh) / "package.json").write_bytes(wanted)
         command = ["npm", "install", "--ignore-scripts", "--no-audit", "--no-fund", "--no-package-lock"]
@@ -83,7 +86,7 @@ def _install() -> tuple[Path | None, str]:
         except subprocess.TimeoutExpired:
             return None, f"npm install took over {_INSTALL_SECONDS} s"
         if done.returncode:
-            return None, f"npm install failed: {done.stderr.strip()[-300:]}"
+            return None, f"npm install failed: {done.stderr.strip()[:300]}"
         # Only a finished installation gets the name; a run beside this one may have been quicker.
         finished = Path(fresh) / "done"
         finished.mkdir()
