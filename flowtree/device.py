@@ -15,7 +15,29 @@ from numpy.typing import NDArray
 
 from flowtree import check
 
-wp.config.log_level = wp.LOG_ERROR  # its greeting belongs to no output of ours
+
+def _start_warp() -> None:
+    """Starts Warp without a word: its greeting and, where there is no GPU, its warning are no output of ours.
+
+    The warning is printed by Warp's own library, past Python: only the file descriptor can be turned away.
+    """
+    wp.config.log_level = wp.LOG_ERROR
+    try:
+        kept = os.dup(2)
+    except OSError:  # no standard error at all
+        wp.init()
+        return
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 2)
+        wp.init()
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)
+
+
+_start_warp()
 # Below this many indices a second core costs more than it saves: a launch alone costs about 9 microseconds.
 _SPLIT_FROM = 4096
 
