@@ -30,9 +30,10 @@ from flowtree.params import FlowParams
 
 _ARRIVAL = 0.012  # of the height: closer to the foot than this has arrived
 _BASIN = 0.05  # of the height: nearer than this the foot alone attracts
-_TIME_POINTS = 20  # points along the height of the grid of free-flow times
+_TIME_POINTS = 14  # points along the height of the grid of free-flow times
 _BLOCK = 8  # steps between two looks at who is still on the way
 _LONGEST = 8.0  # tree heights of way after which the rest is taken as lost
+_SPLIT_FROM = 512  # from how many particles on a second core pays: following a field is much work for each
 
 
 def trace_particles(
@@ -220,7 +221,9 @@ class _Flow:
         inputs = [b.position, b.velocity[1], b.mass[0], b.state[1], b.nearest, self.start_time]
         inputs += [self.fields, forces, self.times, front, length, self._arrival(), number]
         outputs = [self.block[row + 1], b.velocity[0], b.state[0], self.begin_step, self.end_step]
-        device.launch(advance_particles, self.count, inputs, outputs, device=self.where)
+        device.launch(
+            advance_particles, self.count, inputs, outputs, device=self.where, split_from=_SPLIT_FROM
+        )
 
     def _arrival(self) -> float:
         """Closer to the foot than this has arrived [m]; a step must not leap over it."""
@@ -251,7 +254,7 @@ class _Flow:
         limit = int(4 * self.height / step)
         result = device.empty(len(points), float, self.where)
         inputs = [device.upload(points, wp.vec3, self.where), self.fields, step, self._arrival(), limit]
-        device.launch(time_flow, len(points), inputs, [result], device=self.where)
+        device.launch(time_flow, len(points), inputs, [result], device=self.where, split_from=_SPLIT_FROM)
         times: NDArray[np.float32] = result.numpy()
         return times
 
