@@ -22,15 +22,16 @@ def _start_warp() -> None:
     The warning is printed by Warp's own library, past Python: only the file descriptor can be turned away.
     """
     wp.config.log_level = wp.LOG_ERROR
+    init: Any = wp.init  # Warp leaves it untyped
     try:
         kept = os.dup(2)
     except OSError:  # no standard error at all
-        wp.init()
+        init()
         return
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
         os.dup2(nowhere, 2)
-        wp.init()
+        init()
     finally:
         os.dup2(kept, 2)
         os.close(kept)
