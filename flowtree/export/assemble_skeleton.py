@@ -8,11 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flowtree import check
+from flowtree.export.check_skeleton import MOST_METRES
 from flowtree.geometry.parent_array import depths, main_child, parents_first, sum_to_root
 from flowtree.model.skeleton import Skeleton
-
-# Nothing that grows is larger; it keeps every number and every difference far inside float32.
-_MOST_METRES = 1e6
 
 
 def assemble_skeleton(
@@ -50,15 +48,15 @@ def assemble_skeleton(
         f"{thing}: points",
         shape=(count, 3),
         dtype=np.float64,
-        low=-_MOST_METRES,
-        high=_MOST_METRES,
+        low=-MOST_METRES,
+        high=MOST_METRES,
     )
     thickness = check.array(
         _numbers(radius, f"{thing}: radii"),
         f"{thing}: radii",
         shape=(count,),
         low=0.0,
-        high=_MOST_METRES,
+        high=MOST_METRES,
     )
     inside = int(up.max()) < count
     check.require(inside, thing, f"must name parents below {count}", int(up.max()), "add the missing node")

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from flowtree import check
+from flowtree.export.check_skeleton import MOST_METRES
 from flowtree.model.foliage import Foliage
 from flowtree.model.mesh import Material, TreeMesh
 from flowtree.model.tree import TreeModel
@@ -19,8 +20,8 @@ def check_tree(tree: TreeModel) -> None:
         InputError: an array has the wrong shape or holds NaN, a triangle names a vertex that is not there, a
             texture is not a picture, or there is nothing to write at all.
     """
-    high = math.isfinite(tree.height)
-    check.require(high, "tree's height", "must be a number of metres", tree.height, "measure it")
+    measured = math.isfinite(tree.height)
+    check.require(measured, "tree's height", "must be a number of metres", tree.height, "measure it")
     _check_mesh(tree.wood, "wood")
     _check_material(tree.bark, "bark")
     leaves = 0
@@ -33,9 +34,11 @@ def check_tree(tree: TreeModel) -> None:
 
 def _check_mesh(mesh: TreeMesh, thing: str) -> None:
     count = len(mesh.positions)
-    check.array(mesh.positions, f"{thing}'s positions", shape=(None, 3))
+    check.array(mesh.positions, f"{thing}'s positions", shape=(None, 3), low=-MOST_METRES, high=MOST_METRES)
     check.array(mesh.normals, f"{thing}'s normals", shape=(count, 3))
-    check.array(mesh.uvs, f"{thing}'s texture coordinates", shape=(count, 2))
+    check.array(
+        mesh.uvs, f"{thing}'s texture coordinates", shape=(count, 2), low=-MOST_METRES, high=MOST_METRES
+    )
     if mesh.colors is not None:
         check.array(mesh.colors, f"{thing}'s colours", shape=(count, 3), low=0.0, high=1.0)
     check.array(
@@ -47,7 +50,7 @@ def _check_foliage(foliage: Foliage) -> None:
     _check_mesh(foliage.leaf, "leaf")
     _check_material(foliage.material, "leaf material")
     count = len(foliage.position)
-    check.array(foliage.position, "leaf positions", shape=(None, 3))
+    check.array(foliage.position, "leaf positions", shape=(None, 3), low=-MOST_METRES, high=MOST_METRES)
     turns = check.array(foliage.rotation, "leaf rotations", shape=(count, 4), dtype=np.float64)
     if count:
         lengths = np.linalg.norm(turns, axis=1)
@@ -56,7 +59,7 @@ def _check_foliage(foliage: Foliage) -> None:
         check.require(
             unit, "leaf rotations", "must be unit quaternions", f"length {worst:g}", "normalise them"
         )
-    check.array(foliage.scale, "leaf lengths", shape=(count,), low=0.0)
+    check.array(foliage.scale, "leaf lengths", shape=(count,), low=0.0, high=MOST_METRES)
     check.array(foliage.color, "leaf colours", shape=(count, 3), low=0.0, high=1.0)
 
 

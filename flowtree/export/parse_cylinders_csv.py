@@ -7,17 +7,25 @@ import io
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flowtree import check
 from flowtree.export.assemble_skeleton import assemble_skeleton
 from flowtree.model.skeleton import Skeleton
 
+_START, _AXIS, _END = ([f"{word}_{axis}" for axis in "xyz"] for word in ("start", "axis", "end"))
+_NEEDED = ["radius", "length", *_START, *_AXIS, "parent"]
+_OURS = ["start_radius", "end_radius", *_END, "particles"]
+_OPTIONAL = ["branch_order", "twig"]
+# Roots of one tree start where the table's rounding puts them, not exactly at one point.
+_ROOT_METRES = 1e-3
+
 
 def parse_cylinders_csv(name: str, text: str) -> Skeleton:
     """Reads a table of cylinders: node 0 is the foot, node i the end of cylinder i.
 
-    Columns are found by name, whatever their case and underscores. A table of another program has no radii of
-    both ends: there a node gets the radius of the cylinder that ends in it.
+    Columns are found by name, whatever their case and underscores; others may hold anything. A table of
+    another program has no radii of both ends: there a node gets that of the cylinder that ends in it.
 
     Args:
         name: the file's, for the error.
@@ -26,68 +34,67 @@ def parse_cylinders_csv(name: str, text: str) -> Skeleton:
     Raises:
         InputError: a column or number is missing, or it is no single tree.
     """
-    try:
-        lines = list(csv.reader(io.StringIO(text)))
-    except csv.Error as error:
-        check.fail(name, "must be a table of comma-separated numbers", str(error), "repair the file")
-    head = ["".join(c for c in word.lower() if c.isalnum()) for word in lines[0]] if lines else []
-    column = {word: k for k, word in enumerate(head)}
-    needed = ["radius", "length", *_axes("start"), *_axes("axis"), "parent"]
-    missing = [word for word in needed if word not in column]
-    check.require(
-        not missing,
-        name,
-        f"needs the columns {', '.join(needed)}",
-        f"none for {', '.join(missing)}",
-        "add them",
-    )
-    rows: list[list[float]] = []
-    for number, line in enumerate(lines[1:], 2):
-        if not line:
-            continue
-        try:
-            row = [float(word) for word in line]
-        except ValueError:
-            row = []
-        got, place = repr(",".join(line)[:60]), f"{name}, line {number}"
-        check.require(len(row) == len(head), place, f"must hold {len(head)} numbers", got, "repair that line")
-        rows.append(row)
-    check.require(bool(rows), name, "needs a cylinder", "none", "choose a file with a skeleton")
-    table = check.array(np.array(rows), name, shape=(None, len(head)), dtype=np.float64, low=-1e15, high=1e15)
-
-    def read(*words: str) -> Any:
-        return table[:, [column[word] for word in words]]
-
-    start, up = read(*_axes("start")), read("parent")[:, 0].astype(np.int64)
+    table = _read_columns(name, text)
+    start, up = _rows(table, _START), table["parent"].astype(np.int64)
     first = np.flatnonzero(up == 0)
     check.require(len(first) > 0, name, "must have a cylinder without parent", "none", "set its parent to 0")
     apart = float(np.abs(start[first] - start[first[0]]).max())
-    check.require(
-        apart <= 1e-3,
-        name,
-        "must hold one tree: all cylinders without parent start at one point",
-        f"starts {apart:g} m apart",
-        "keep one tree",
+    rule = "must hold one tree: all cylinders without parent start at one point"
+    check.require(apart <= _ROOT_METRES, name, rule, f"starts {apart:g} m apart", "keep one tree")
+    if all(word in table for word in _OURS):
+        end, radius, foot = _rows(table, _END), table["end_radius"], table["start_radius"][first].max()
+        particles = table["particles"].astype(np.int64)
+        counts = np.concatenate([particles[first].sum(keepdims=True), particles])
+    else:
+        end = start + table["length"][:, None] * _rows(table, _AXIS)
+        radius, foot, counts = table["radius"], table["radius"][first].max(), None
+    level, twig = (
+        np.concatenate([[0], table[word].astype(np.int64)]) if word in table else None for word in _OPTIONAL
     )
-    own = all(word in column for word in ("startradius", "endradius", *_axes("end"), "particles"))
-    end = read(*_axes("end")) if own else start + read("length") * read(*_axes("axis"))
-    radius = read("endradius" if own else "radius")[:, 0]
-    foot = read("startradius" if own else "radius")[first, 0].max()
-    more = {}
-    if own:
-        particles = read("particles")[:, 0].astype(np.int64)
-        more["particles"] = np.concatenate([[particles[first].sum()], particles])
-    for word, array in (("branchorder", "level"), ("twig", "twig")):
-        if word in column:
-            more[array] = np.concatenate([[0], read(word)[:, 0].astype(np.int64)])
     return assemble_skeleton(
         name,
         np.concatenate([[-1], up]),
         np.concatenate([start[first[:1]], end]),
         np.concatenate([[foot], radius]),
-        **more,
+        particles=counts,
+        level=level,
+        twig=twig,
     )
 
 
-def _axes(word: str) -> list[str]:
-    return [f"{word}{axis}" for axis in "xyz"]
+def _read_columns(name: str, text: str) -> dict[str, NDArray[np.float64]]:
+    """The columns whose names we know, (n,) each."""
+    try:
+        head, *lines = list(csv.reader(io.StringIO(text))) or [[]]
+    except csv.Error as error:
+        check.fail(name, "must be a table of comma-separated numbers", str(error), "repair the file")
+    places = {_plain(word): k for k, word in enumerate(head)}
+    known = [*_NEEDED, *_OURS, *_OPTIONAL]
+    place = {word: places[_plain(word)] for word in known if _plain(word) in places}
+    missing = ", ".join(word for word in _NEEDED if word not in place)
+    check.require(
+        not missing, name, f"needs the columns {', '.join(_NEEDED)}", f"none for {missing}", "add them"
+    )
+    rows: list[list[float]] = []
+    for number, line in enumerate(lines, 2):
+        if not line:
+            continue
+        try:
+            rows.append([float(line[k]) for k in place.values()])
+        except (ValueError, IndexError):
+            got = repr(",".join(line)[:60])
+            check.fail(
+                f"{name}, line {number}", "must hold a number in every column", got, "repair that line"
+            )
+    check.require(bool(rows), name, "needs a cylinder", "none", "choose a file with a skeleton")
+    shape = (None, len(place))
+    values = check.array(np.array(rows), name, shape=shape, dtype=np.float64, low=-1e15, high=1e15)
+    return dict(zip(place, values.T, strict=True))
+
+
+def _plain(word: str) -> str:
+    return "".join(c for c in word.lower() if c.isalnum())
+
+
+def _rows(table: dict[str, NDArray[Any]], words: list[str]) -> NDArray[np.float64]:
+    return np.stack([table[word] for word in words], axis=1)

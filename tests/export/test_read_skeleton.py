@@ -86,8 +86,8 @@ def test_swc_derives_order_and_counts(tmp_path: Path) -> None:
 def test_a_table_of_another_program_is_read(tmp_path: Path) -> None:
     path = tmp_path / "treeqsm.csv"
     path.write_text(
-        "radius,length,start_x,start_y,start_z,axis_x,axis_y,axis_z,parent,extension,UnmodRadius,BranchOrder\n"
-        "0.2,1,5,0,5,0,1,0,0,2,0.2,0\n0.1,2,5,1,5,0,1,0,1,0,0.1,0\n0.05,1,5,1,5,1,0,0,1,0,0.05,1\n"
+        "Radius,length,StartX,StartY,StartZ,axis_x,axis_y,axis_z,parent,SurfCov,species,BranchOrder\n"
+        "0.2,1,5,0,5,0,1,0,0,NaN,oak,0\n0.1,2,5,1,5,0,1,0,1,1,oak,0\n0.05,1,5,1,5,1,0,0,1,1,oak,1\n"
     )
     skeleton = read_skeleton(path)
     np.testing.assert_allclose(skeleton.points, [[0, 0, 0], [0, 1, 0], [0, 3, 0], [1, 1, 0]])
@@ -152,7 +152,7 @@ def test_trimesh_reads_the_points_of_the_ply(tmp_path: Path) -> None:
         ("a.swc", "# fine\n1 0 0 0 0 -1\n", "line 2"),
         ("a.swc", "1 0 x 0 0 1 -1\n", "line 1"),
         ("a.csv", "", "needs the columns"),
-        ("a.csv", "radius,length\n1,2\n", "none for startx"),
+        ("a.csv", "radius,length\n1,2\n", "none for start_x"),
         ("a.csv", "HEAD\n", "needs a cylinder"),
         ("a.csv", "HEAD\n1,1,0,0,0,0,1,0,2\n1,1,0,0,0,0,1,0,1\n", "without parent"),
         ("a.csv", "HEAD\n1,1,0,0,0,0,1,0,0\n1,1,3,0,0,0,1,0,0\n", "3 m apart"),

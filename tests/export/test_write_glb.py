@@ -208,6 +208,7 @@ NO_MESH = TreeMesh(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 2)), np.zero
         (broken("wood", triangles=np.array([[0, 1, 10**6]])), "wood's triangles: must be at most"),
         (broken("wood", triangles=np.array([[0, 1, -1]])), "wood's triangles: must be at least 0"),
         (broken("wood", positions=np.full((390, 3), np.inf)), "wood's positions: must be finite"),
+        (broken("wood", positions=np.full((390, 3), 1e300)), "wood's positions: must be at most"),
         (broken("foliage", position=NAN), "leaf positions: must be finite"),
         (broken("foliage", rotation=np.zeros((3, 4))), "leaf rotations: must be unit quaternions"),
         (broken("foliage", color=np.full((3, 3), 2.0)), "leaf colours: must be at most 1"),
