@@ -20,21 +20,19 @@ def project_density(volume: DensityVolume, camera: Camera) -> NDArray[np.float32
     Returns: (camera.height, camera.width) float32 in 0..1. Between the centres of voxels it is interpolated.
     """
     nx, ny, nz = volume.density.shape
-    cell = volume.voxel
-    x = volume.origin[0] + (np.arange(nx) + 0.5) * cell
-    z = volume.origin[2] + (np.arange(nz) + 0.5) * cell
+    cell = float(volume.voxel)
+    x = np.asarray(float(volume.origin[0]) + (np.arange(nx) + 0.5) * cell, np.float64)
+    z = np.asarray(float(volume.origin[2]) + (np.arange(nz) + 0.5) * cell, np.float64)
     reach = float(np.hypot(np.abs(x).max() + cell, np.abs(z).max() + cell))
     columns = 2 * int(np.ceil(reach / cell))
     left = -columns / 2 * cell
-    matrix = footprint_matrix(
-        x.astype(np.float64), z.astype(np.float64), camera.yaw, left=left, cell=cell, columns=columns
-    )
+    matrix = footprint_matrix(x, z, camera.yaw, left=left, cell=cell, columns=columns)
     flat = volume.density.transpose(0, 2, 1).reshape(nx * nz, ny).astype(np.float64)
     alpha = -np.expm1(-np.asarray(matrix @ flat))
     scale = camera.metres_per_pixel
     u = ((np.arange(camera.width) + 0.5 - camera.foot[0]) * scale - left) / cell - 0.5
     v = ((camera.foot[1] - np.arange(camera.height) - 0.5) * scale - volume.origin[1]) / cell - 0.5
-    return _sample(alpha, u, v).T.astype(np.float32)
+    return _sample(alpha, np.asarray(u, np.float64), np.asarray(v, np.float64)).T.astype(np.float32)
 
 
 def _sample(grid: NDArray[np.float64], u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from flowtree import check
@@ -14,6 +15,10 @@ from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 from flowtree.model.volume import DensityVolume
 from flowtree.params import DensityParams
+
+_SAME_SIDE = 0.01  # sine of the angle below which two views see the tree from the same or the opposite side
+_WIDEST = 2.0  # heights to the side, beyond which the width, not the height, sets the size of a voxel
+_VOXELS_AT_ONCE = 1_000_000
 
 
 def solve_density(
@@ -29,36 +34,43 @@ def solve_density(
 
     Deviations: two views leave the system underdetermined, and the iteration keeps whatever its start holds
     in the null space. It therefore starts, not from the minimum, but from the product of the views' optical
-    depths over the sum of their row (the choice of maximum entropy: what one view shows is spread over the
-    other's profile). Rows of two views that do not hold the same total are first brought to their mean total,
-    for a level slice of one tree has only one; ``params.balance`` limits the correction.
+    depths, scaled to the depth that each height holds (the choice of maximum entropy: what one view shows is
+    spread over the other's profile; for two views at a right angle it satisfies both). Rows of views that do
+    not hold the same total are first brought to their mean total, for a level slice of one tree has only one;
+    ``params.balance`` limits the correction.
 
     Args:
         mattes: one for each view, at least two.
-        cameras: theirs, at two yaws at least that are not opposite.
+        cameras: theirs, at two yaws at least that are neither equal nor opposite.
         params: resolution, carving threshold, iterations.
+
+    Returns: a box around the y axis that stands on the ground, as wide and high as any view shows.
 
     Raises:
         InputError: fewer than two views, views that see the tree from the same or the opposite side only,
-            a matte that is not finite or holds nothing.
+            a matte that is not finite or holds nothing, views that share no height.
     """
     check.require(
         len(mattes) >= 2, "views", "must be at least two", len(mattes), "add a photo or its mirror image"
     )
     check.require(len(mattes) == len(cameras), "cameras", "must be one a matte", len(cameras), "pass as many")
-    sides = {round(camera.yaw % 180.0, 3) for camera in cameras}
+    yaws = np.radians([camera.yaw for camera in cameras])
     check.require(
-        len(sides) > 1, "yaw", "must differ between views", sorted(sides), "give each view its own yaw"
+        float(np.abs(np.sin(yaws[:, None] - yaws)).max()) > _SAME_SIDE,
+        "yaw",
+        "must differ between views, also from the opposite side",
+        ", ".join(f"{camera.yaw:g}" for camera in cameras),
+        "give each view its own yaw",
     )
     alphas = [
         check.array(matte.alpha, f"alpha of view {k}", shape=(camera.height, camera.width), low=0.0, high=1.0)
         for k, (matte, camera) in enumerate(zip(mattes, cameras, strict=True))
     ]
     reach, top = _extent(alphas, cameras)
-    cell = top / params.resolution
+    cell = max(top, reach / _WIDEST) / params.resolution
     half = int(np.ceil(reach / cell)) + 1
-    rows = params.resolution + 1
-    centres = (np.arange(2 * half) + 0.5 - half) * cell
+    rows = int(np.ceil(top / cell)) + 1
+    centres = np.asarray((np.arange(2 * half) + 0.5 - half) * cell, np.float64)
     columns = 2 * int(np.ceil(half * np.sqrt(2.0))) + 2  # the box's diagonal
     left = -columns / 2 * cell
     depths = [
@@ -72,13 +84,11 @@ def solve_density(
         for camera in cameras
     ]
     depths = _balance_rows(depths, params.balance)
-    back = [np.asarray(m.T @ d) / cell for m, d in zip(matrices, depths, strict=True)]
-    lowest = np.minimum.reduce(back)
-    empty = -np.expm1(-lowest) < params.carve
-    start = np.where(empty, 0.0, _maximum_entropy(back, depths, cell))
-    density = _least_squares(matrices, depths, start, empty, params.iterations)
-    shape = (len(centres), len(centres), rows)
-    volume = np.ascontiguousarray(density.reshape(shape).transpose(0, 2, 1), dtype=np.float32)
+    volume = np.empty((len(centres), rows, len(centres)), np.float32)
+    # Every height is its own problem: a few at a time keep the memory small.
+    for few in np.array_split(np.arange(rows), -(-rows * len(centres) ** 2 // _VOXELS_AT_ONCE)):
+        density = _solve_rows(matrices, [depth[:, few] for depth in depths], cell, params)
+        volume[:, few] = density.reshape(len(centres), len(centres), -1).transpose(0, 2, 1)
     check.require(
         bool(volume.any()), "mattes", "must show one tree", "views that share nothing", "check yaw and foot"
     )
@@ -116,33 +126,47 @@ def _balance_rows(depths: list[NDArray[np.float64]], limit: float) -> list[NDArr
     return balanced
 
 
-def _maximum_entropy(
-    back: list[NDArray[np.float64]], depths: list[NDArray[np.float64]], cell: float
+def _solve_rows(
+    matrices: list[sparse.csr_array], depths: list[NDArray[np.float64]], cell: float, params: DensityParams
 ) -> NDArray[np.float64]:
-    """Product of the back-projected depths over powers of their row sums: (voxels, rows), [1/m].
+    """Densities (voxels, rows) [1/m] of some heights."""
+    back = [np.asarray(m.T @ d) / cell for m, d in zip(matrices, depths, strict=True)]
+    filled = -np.expm1(-np.minimum.reduce(back)) >= params.carve
+    start = _maximum_entropy(back, filled, depths, cell)
+    return _least_squares(matrices, depths, start, filled, params.iterations)
 
-    For two views at a right angle it satisfies both exactly.
-    """
+
+def _maximum_entropy(
+    back: list[NDArray[np.float64]],
+    filled: NDArray[np.bool_],
+    depths: list[NDArray[np.float64]],
+    cell: float,
+) -> NDArray[np.float64]:
+    """Product of the back-projected depths, scaled to the mean total of its height: (voxels, rows) [1/m]."""
+    product = np.where(filled, np.multiply.reduce(back), 0.0).clip(min=0.0)
     total = np.mean([d.sum(axis=0) for d in depths], axis=0)
-    product = np.multiply.reduce([b.clip(min=0.0) for b in back])
-    power = len(back) - 1
-    return np.divide(product, total**power * cell, out=np.zeros_like(product), where=total > 1e-9)
+    held = product.sum(axis=0) * cell
+    return np.asarray(product * np.divide(total, held, out=np.zeros_like(total), where=held > 0))
 
 
 def _least_squares(
-    matrices: list[NDArray[np.float64]],
+    matrices: list[sparse.csr_array],
     depths: list[NDArray[np.float64]],
     density: NDArray[np.float64],
-    empty: NDArray[np.bool_],
+    filled: NDArray[np.bool_],
     iterations: int,
 ) -> NDArray[np.float64]:
-    """Simultaneous iterative reconstruction: residuals over path lengths go back, negative becomes 0."""
-    lengths = [np.maximum(np.asarray(m.sum(axis=1)), 1e-9)[:, None] for m in matrices]
+    """Simultaneous iterative reconstruction: residuals over path lengths go back, negative becomes 0.
+
+    The lengths are those through voxels that may be filled. With them each round is a projected gradient step
+    that cannot raise the sum of the squared residuals over those lengths.
+    """
+    lengths = [np.asarray(m @ filled.astype(np.float64)) for m in matrices]
+    weights = [np.divide(1.0, n, out=np.zeros_like(n), where=n > 1e-9 * n.max(initial=0.0)) for n in lengths]
     spread = np.sum([np.asarray(m.sum(axis=0)) for m in matrices], axis=0)[:, None]
-    filled = ~empty
     for _ in range(iterations):
         step = np.zeros_like(density)
-        for matrix, depth, length in zip(matrices, depths, lengths, strict=True):
-            step += matrix.T @ ((depth - matrix @ density) / length)
+        for matrix, depth, weight in zip(matrices, depths, weights, strict=True):
+            step += matrix.T @ ((depth - matrix @ density) * weight)
         density = np.where(filled, np.maximum(density + step / spread, 0.0), 0.0)
     return density
