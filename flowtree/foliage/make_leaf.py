@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import linprog
 
 from flowtree import check
 from flowtree.foliage.leaf_canvas import Floats, settle
@@ -122,65 +123,73 @@ def _strip(body: _Body, width: float, there: NDArray[np.bool_]) -> TreeMesh:
         width: of the texture [m].
         there: (h, w), texels that may be seen.
     """
-    along = np.linspace(0.0, 1.0, body.bands + 1)
-    half = _half_widths(along, width, there)
+    along, half = _trim(body.bands, width, there)
     sides = np.array([-1.0, 0.0, 1.0] if body.planes == 1 else [-1.0, 1.0])
     columns = len(sides)
     s = np.repeat(along, columns)
     side = np.tile(sides, len(along))
     x = side * np.repeat(half, columns)
-    angle = body.bend * s
-    y, z = np.sin(angle) / body.bend, (np.cos(angle) - 1.0) / body.bend
-    # The crease's rise points away from the bent midrib.
-    rise = body.fold * np.abs(x)
-    flat = np.stack([x, y + rise * np.sin(angle), z + rise * np.cos(angle)], axis=1)
-    fanned = np.stack([0.55 * side, 0.5 * (s - 0.4) + np.sin(angle), np.cos(angle)], axis=1)
-    uvs = np.stack([0.5 + x / width, 1.0 - s], axis=1)
-
     corner = np.arange(len(s)).reshape(len(along), columns)
     low, high = corner[:-1], corner[1:]
     one = np.stack([low[:, :-1], low[:, 1:], high[:, 1:]], axis=-1).reshape(-1, 3)
     two = np.stack([low[:, :-1], high[:, 1:], high[:, :-1]], axis=-1).reshape(-1, 3)
-    triangles = np.concatenate([one, two])
-    positions, normals, faces = [], [], []
+    faces = np.concatenate([one, two])
+
+    angle = body.bend * s
+    y, z = np.sin(angle) / body.bend, (np.cos(angle) - 1.0) / body.bend
+    rise = body.fold * np.abs(x)
+    positions, normals, triangles = [], [], []
     for plane in range(body.planes):
         turn = 0.0 if body.planes == 1 else np.pi * (plane + 0.5) / body.planes
-        positions.append(flat @ _about_y(turn))
-        normals.append(fanned @ _about_y(turn))
-        faces.append(triangles + plane * len(s))
+        cosine, sine = np.cos(turn), np.sin(turn)
+        # Turned across the midrib first and bent with it then: crossed planes stay crossed to the tip.
+        right, up = x * cosine - rise * sine, x * sine + rise * cosine
+        positions.append(np.stack([right, y + up * np.sin(angle), z + up * np.cos(angle)], axis=1))
+        right, up = 0.55 * side * cosine - sine, 0.55 * side * sine + cosine
+        forth = 0.5 * (s - 0.4)
+        normals.append(
+            np.stack(
+                [
+                    right,
+                    forth * np.cos(angle) + up * np.sin(angle),
+                    up * np.cos(angle) - forth * np.sin(angle),
+                ],
+                axis=1,
+            )
+        )
+        triangles.append(faces + plane * len(s))
     normal = np.concatenate(normals)
     return TreeMesh(
         positions=np.concatenate(positions).astype(np.float32),
         normals=(normal / np.linalg.norm(normal, axis=1, keepdims=True)).astype(np.float32),
-        uvs=np.tile(uvs, (body.planes, 1)).astype(np.float32),
-        triangles=np.concatenate(faces).astype(np.int32),
+        uvs=np.tile(np.stack([0.5 + x / width, 1.0 - s], axis=1), (body.planes, 1)).astype(np.float32),
+        triangles=np.concatenate(triangles).astype(np.int32),
     )
 
 
-def _half_widths(along: Floats, width: float, there: NDArray[np.bool_]) -> Floats:
-    """(k,) half widths [m] of the strip at ``along``: the narrowest trapezoids that hold every texel."""
+def _trim(bands: int, width: float, there: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    """Where a strip of ``bands`` trapezoids has its corners, so that it holds every texel and little else.
+
+    Returns: (bands + 1,) places along the leaf, 0..1, and half widths there [m]: the least area, a linear
+        programme for given places. With two bands the place between them is searched too.
+    """
     rows, columns = there.shape
-    pitch = width / columns
-    away = (np.abs(np.arange(columns) + 0.5 - columns / 2) + 0.5) * pitch
+    away = (np.abs(np.arange(columns) + 0.5 - columns / 2) + 0.5) * (width / columns)
     reach = np.where(there.any(axis=1), np.max(np.where(there, away, 0.0), axis=1), 0.0)
     height = 1.0 - (np.arange(rows) + 0.5) / rows
-    half = np.full(len(along), 0.01)
-    for i, place in enumerate(along):
-        near = np.abs(height - place) <= 0.5 * (along[1] - along[0]) + 1.0 / rows
-        half[i] = max(0.01, float(reach[near].max(initial=0.0)))
-    # Ends are drawn in as far as the slope to their neighbour allows.
-    for end, inner in ((0, 1), (len(along) - 1, len(along) - 2)):
-        share = np.abs(height - along[end]) / abs(along[inner] - along[end])
-        here = share < 0.98
-        needed = (reach[here] - half[inner] * share[here]) / (1.0 - share[here])
-        half[end] = min(half[end], max(0.01, float(needed.max(initial=0.0))))
-    within: Floats = np.minimum(half, 0.5 * width)
-    return within
-
-
-def _about_y(angle: float) -> Floats:
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return np.array([[cosine, 0.0, -sine], [0.0, 1.0, 0.0], [sine, 0.0, cosine]])
+    inner = [np.linspace(0.0, 1.0, bands + 1)[1:-1]]
+    if bands == 2:
+        inner = [np.array([place]) for place in np.linspace(0.2, 0.8, 7)]
+    best: tuple[float, Floats, Floats] | None = None
+    for places in inner:
+        along = np.concatenate([[0.0], places, [1.0]])
+        shares = np.array([np.interp(height, along, corner) for corner in np.eye(bands + 1)])
+        area = 0.5 * np.convolve(np.diff(along), [1.0, 1.0])
+        found = linprog(area, A_ub=-shares.T, b_ub=-reach, bounds=(0.005, 0.5 * width), method="highs")
+        if best is None or found.fun < best[0]:
+            best = float(found.fun), along, np.asarray(found.x, np.float64)
+    assert best is not None
+    return best[1], best[2]
 
 
 def _to_linear(srgb: NDArray[np.uint8]) -> Floats:
