@@ -48,5 +48,6 @@ def _spread(colour: NDArray[Any], weight: NDArray[Any], reach: float) -> NDArray
         total += share * cv2.blur(colour * weight, box, borderType=cv2.BORDER_REFLECT)
         mass += share * cv2.blur(weight, box, borderType=cv2.BORDER_REFLECT)[..., None]
         if window > size // 2:
-            return total / np.maximum(mass, np.float32(1e-12))
+            spread: NDArray[Any] = total / np.maximum(mass, np.float32(1e-12))
+            return spread
         window, share = 4 * window + 1, share * np.float32(1e-3)

@@ -104,7 +104,7 @@ def _outline(
             beside = horizon[max(0, edge - width // 16) : max(0, edge - 2)]
             if sign > 0:
                 beside = horizon[edge + 3 : edge + width // 16 + 1]
-            if beside.size and row >= beside.max() - _MARGIN * height - 1:
+            if beside.size and row >= beside.min() - _MARGIN * height - 1:
                 usable[row] = False  # this edge is where the horizon steps, not where the crown ends
         known = np.flatnonzero(usable if usable.sum() > 3 else filled)
         lines.append(_continue_edge(known, edges[known, side], sign, height))

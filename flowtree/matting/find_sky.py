@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -87,7 +88,8 @@ def _find_seeds(lab: NDArray[np.float32], texture: NDArray[np.float32]) -> NDArr
     keep = boxes[:, cv2.CC_STAT_AREA] >= (6 if calm else 2)
     keep &= (boxes[:, cv2.CC_STAT_TOP] < 0.55 * height) & (centres[:, 1] < 0.7 * height)
     keep[0] = False
-    return keep[parts] if count > 1 else np.zeros_like(seeds)
+    kept: NDArray[np.bool_] = keep[parts] if count > 1 else np.zeros_like(seeds)
+    return kept
 
 
 def _global_distance(lab: NDArray[np.float32], mask: NDArray[np.bool_]) -> NDArray[np.float32]:
@@ -100,9 +102,7 @@ def _global_distance(lab: NDArray[np.float32], mask: NDArray[np.bool_]) -> NDArr
     return distance
 
 
-def _spread(
-    known: NDArray[np.bool_], like: NDArray[np.bool_], window: NDArray[np.uint8]
-) -> NDArray[np.bool_]:
+def _spread(known: NDArray[np.bool_], like: NDArray[np.bool_], window: NDArray[Any]) -> NDArray[np.bool_]:
     """Accepts the connected patches of ``like`` that come near what is known, until none is left."""
     count, parts = cv2.connectedComponents(like.astype(np.uint8), connectivity=8)
     accepted = np.zeros(count, bool)
@@ -112,6 +112,7 @@ def _spread(
         touched[np.unique(parts[near])] = True
         touched[0] = False
         if not (touched & ~accepted).any():
-            return accepted[parts]
+            spread: NDArray[np.bool_] = accepted[parts]
+            return spread
         accepted |= touched
         known = accepted[parts]

@@ -63,7 +63,7 @@ def guess_alpha(
     if trunk is not None:
         evidence = evidence + _beside_trunk(trunk, tree, crown)
     tree = label_tree(rgb, lab, texture, sky.mask, crown, evidence, rounds=2)
-    alpha, confidence = _split(lab, sky, tree)
+    alpha, confidence = _split(lab, sky, tree, crown)
     if trunk is not None:
         _draw_trunk(alpha, confidence, trunk, crown)
     if scribbles is not None:
@@ -132,13 +132,13 @@ def _beside_trunk(trunk: Trunk, tree: NDArray[np.float32], crown: Crown) -> NDAr
             tree[row, max(0, x - 3 * half) : max(0, x - half)],
             tree[row, x + half + 1 : x + 3 * half + 1],
         ]
-        beside = min((float(flank.mean()) for flank in flanks if flank.size), default=1.0)
+        beside = max((float(flank.mean()) for flank in flanks if flank.size), default=1.0)
         hidden = row > crown.horizon[min(max(x, 0), width - 1)]
-        free[at] = hidden and trunk.contrast[at] > 2.0 and beside < 0.5
+        free[at] = hidden and trunk.contrast[at] > 0.0 and beside < 0.5
     against = np.zeros((height, width), np.float32)
     # The free stretch begins where most rows from there on are free.
     share = np.cumsum(free[::-1])[::-1] / np.arange(len(free), 0, -1)
-    begin = np.flatnonzero((share >= 0.6) & free)
+    begin = np.flatnonzero((share >= 0.75) & free)
     if len(begin) == 0:
         return against
     first = int(trunk.rows[begin[0]])
@@ -150,7 +150,7 @@ def _beside_trunk(trunk: Trunk, tree: NDArray[np.float32], crown: Crown) -> NDAr
 
 
 def _split(
-    lab: NDArray[np.float32], sky: Sky, tree: NDArray[np.float32]
+    lab: NDArray[np.float32], sky: Sky, tree: NDArray[np.float32], crown: Crown
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Alpha and confidence from the labels and, where sky is near, from the colours of tree and sky."""
     likely = tree > 0.5
@@ -167,6 +167,7 @@ def _split(
         along = np.clip(((lab - sky.colors.mean) * direction).sum(axis=2) / length, 0.0, 1.0)
         reach = 2 * max(4, round(0.02 * max(tree.shape))) + 1
         near_sky = cv2.blur(sky.mask.astype(np.float32), (reach, reach)) > 0.0
+        near_sky |= np.arange(len(tree))[:, None] < crown.horizon[None, :]
         alpha = np.where(near_sky, along, alpha).astype(np.float32)
     touched = cv2.dilate(likely.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
     alpha[~touched] = 0.0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -43,15 +45,16 @@ def label_tree(
     """
     height = sky.shape[0]
     solid = ~sky
-    prior = _place_prior(sky, crown) + evidence
+    prior, outside = _place_prior(sky, crown)
+    prior += evidence
     features = np.dstack([lab, np.log1p(cv2.blur(texture, (5, 5)))])
     cell = ((features - _LOW) / (_HIGH - _LOW) * _BINS).astype(np.int64)
     cells = np.ravel_multi_index(tuple(np.clip(cell, 0, np.array(_BINS) - 1).transpose(2, 0, 1)), _BINS)
     tree = np.where(prior > 1.0, 1.0, 0.0) * solid
-    rest = np.where(prior < -1.5, 1.0, 0.0) * solid
+    rest = np.where((outside & ~crown.core & (evidence < 1.0)) | (evidence < -1.0), 1.0, 0.0) * solid
     probability = tree.astype(np.float32)
     for _ in range(rounds):
-        ratio = 1.5 * _colour_ratio(lab, cells, tree, rest)
+        ratio: NDArray[Any] = 1.5 * _colour_ratio(lab, cells, tree, rest)
         ratio = np.where(solid, ratio, 0.0).astype(np.float32)
         ratio = cv2.ximgproc.guidedFilter(rgb, ratio, max(2, round(0.012 * height)), 50.0)
         ratio = cv2.GaussianBlur(ratio, (0, 0), 0.008 * height)
@@ -63,13 +66,13 @@ def label_tree(
     return probability
 
 
-def _place_prior(sky: NDArray[np.bool_], crown: Crown) -> NDArray[np.float32]:
-    """Log-odds from the place alone."""
+def _place_prior(sky: NDArray[np.bool_], crown: Crown) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """Log-odds from the place alone, and the ground that no crown reaches."""
     height, width = sky.shape
     rows, columns = np.mgrid[:height, :width].astype(np.float32)
     inside = np.minimum(columns - crown.left[:, None], crown.right[:, None] - columns)
     depth = (rows - crown.horizon[None, :]) / height
-    prior = np.clip(inside / (0.06 * crown.width), -4.0, 0.8)
+    prior = np.clip(inside / (0.1 * crown.width), -3.0, 0.8)
     prior = prior - np.clip(depth / 0.3 - 0.1, 0.0, 3.0)
     prior -= 3.0 * (rows > 0.93 * height)
     # What stands before the sky far from the middle may be a neighbour that touches the crown.
@@ -78,7 +81,8 @@ def _place_prior(sky: NDArray[np.bool_], crown: Crown) -> NDArray[np.float32]:
     other = ~sky & (depth < -0.03) & ~crown.core
     prior[other] = np.minimum(prior[other], -1.0)
     place: NDArray[np.float32] = prior.astype(np.float32)
-    return place
+    outside = (depth > 0.0) & ((inside < -0.25 * crown.width) | (rows > 0.9 * height))
+    return place, outside
 
 
 def _colour_ratio(

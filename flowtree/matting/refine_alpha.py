@@ -22,8 +22,8 @@ def refine_alpha(
     """
     window = (2 * _REACH + 1, 2 * _REACH + 1)
 
-    def mean(values: NDArray[Any]) -> NDArray[np.float32]:
-        blurred: NDArray[np.float32] = cv2.blur(values, window, borderType=cv2.BORDER_REFLECT)
+    def mean(values: NDArray[Any]) -> NDArray[Any]:
+        blurred: NDArray[Any] = cv2.blur(values, window, borderType=cv2.BORDER_REFLECT)
         return blurred
 
     guide = small.astype(np.float32) / np.float32(255.0)

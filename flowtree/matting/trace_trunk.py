@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -10,10 +11,10 @@ from numpy.typing import NDArray
 
 _RATIO, _WIDTHS, _THINNEST = 1.3, 12, 0.004  # half widths tried: times the picture's height
 _THRESHOLD = 5.0  # contrast with both sides that pays for a row [CIELAB]
+_WORTH = 1.5  # contrast above the threshold that the last stretch must have [CIELAB]
 _ENOUGH = 16.0  # contrast beyond which more makes no better a trunk [CIELAB]
 _OFF_CENTRE = 40.0  # cost of standing a whole crown's width beside its middle
 _SHIFT, _NARROW, _WIDEN = 2.5, 8.0, 3.0  # cost of a column aside, of a step to the thinner, to the wider
-_COLOUR_STEP = 18.0  # the ground is reached where the colour departs from the trunk's by this much [CIELAB]
 _NEVER = np.float32(-1e9)
 
 
@@ -60,15 +61,17 @@ def trace_trunk(
     rows, columns, chosen = _best_path(pay, start)
     if len(rows) == 0:
         return None
-    trunk = Trunk(rows, columns, sizes[chosen], gain[chosen, rows, columns] - np.float32(_THRESHOLD))
-    return _end_at_ground(trunk, lab)
+    contrast = gain[chosen, rows, columns] - np.float32(_THRESHOLD)
+    # Stripes in the grass pay a little: the end must be worth more than the way there.
+    end = int(np.argmax(np.cumsum(contrast - _WORTH))) + 1
+    return Trunk(rows[:end], columns[:end], sizes[chosen[:end]], contrast[:end])
 
 
 def _band_contrast(lab: NDArray[np.float32], sizes: NDArray[np.int64]) -> NDArray[np.float32]:
     """Contrast (k, h, w) of a band of each half width with the less different of its flanks."""
     height = lab.shape[0]
     tall = 2 * max(1, round(0.02 * height)) + 1
-    smooth = cv2.GaussianBlur(lab, (1, tall), sigmaX=0.01, sigmaY=0.007 * height)
+    smooth: NDArray[Any] = cv2.GaussianBlur(lab, (1, tall), sigmaX=0.01, sigmaY=0.007 * height)
     reach = int(2 * sizes.max() + 4)
     sums, squares = _running_sums(smooth, reach), _running_sums(smooth**2, reach)
     contrast = np.empty((len(sizes), *lab.shape[:2]), np.float32)
@@ -122,8 +125,8 @@ def _best_path(
         value, came[row] = top + pay[:, row], choice
         peak = value.max()
         if peak > best:
-            k, x = np.unravel_index(int(value.argmax()), value.shape)
-            best, end = peak, (int(k), int(x), row)
+            size, column = divmod(int(value.argmax()), width)
+            best, end = peak, (size, column, row)
     path: list[tuple[int, int, int]] = []
     k, x, row = end
     while row >= 0:
@@ -139,21 +142,3 @@ def _best_path(
 
 def _shifted(size: int, by: int) -> slice:
     return slice(max(0, by), size + min(0, by))
-
-
-def _end_at_ground(trunk: Trunk, lab: NDArray[np.float32]) -> Trunk:
-    """Cuts the band where its colour changes for good: grass may have stripes that pay, too."""
-    band = np.array(
-        [
-            lab[row, max(0, x - half // 2) : x + half // 2 + 1].mean(axis=0)
-            for row, x, half in zip(trunk.rows, trunk.centre, trunk.half, strict=True)
-        ]
-    )
-    step = max(3, round(0.03 * lab.shape[0]))
-    end = len(band)
-    for at in range(len(band) // 2, len(band) - step):
-        known = np.median(band[max(0, at - 4 * step) : at], axis=0)
-        if np.linalg.norm(np.median(band[at : at + step], axis=0) - known) > _COLOUR_STEP:
-            end = at
-            break
-    return Trunk(trunk.rows[:end], trunk.centre[:end], trunk.half[:end], trunk.contrast[:end])
