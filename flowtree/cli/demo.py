@@ -11,7 +11,7 @@ from flowtree.cli.outputs import check_folder
 from flowtree.cli.progress import show_progress
 
 _PAIR = ("photo_0.jpg", "photo_1.jpg")
-_HEIGHT = 12.0  # [m]
+_HEIGHT = 11.0  # [m], of the tree in the pictures
 
 
 def demo(

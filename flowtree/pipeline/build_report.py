@@ -23,6 +23,8 @@ from flowtree.pipeline.compare_views import compare_views
 _ALIKE = 0.45
 # Shares of the picture below and above which a matte looks like a mistake.
 _LEAST_COVER, _MOST_COVER = 0.01, 0.9
+# Mean alpha along an edge of the picture from which on the crown is cut off there.
+_MOST_ON_EDGE = 0.1
 
 
 def build_report(
@@ -124,6 +126,10 @@ def _view_warnings(
             warnings.append(f"{photo.name}: only {cover:.1%} of the picture was taken for tree")
         if cover > _MOST_COVER:
             warnings.append(f"{photo.name}: {cover:.0%} of the picture was taken for tree")
+        edges = {"left": matte.alpha[:, 0], "right": matte.alpha[:, -1], "upper": matte.alpha[0]}
+        cut = [side for side, edge in edges.items() if float(edge.mean()) > _MOST_ON_EDGE]
+        if cut:
+            warnings.append(f"{photo.name}: the tree leaves the picture at the {' and '.join(cut)} edge")
     for a, b in combinations(range(len(photos)), 2):
         alike = compare_views(mattes[a], cameras[a], mattes[b], cameras[b], height=height)
         if alike < _ALIKE:
