@@ -83,7 +83,7 @@ def _middle_of_limbs(grid: WorkingGrid, thickest: float) -> tuple[_Map, _Map]:
     The half width is the radius of the largest disc inside the opaque matte that covers the cell.
     """
     depth = ndimage.distance_transform_edt(np.pad(grid.alpha > 0.5, 1))[1:-1, 1:-1]
-    half = np.asarray(depth, np.float64)
+    half = np.array(depth, np.float64)
     radius = 2.0
     while radius <= min(float(depth.max()), 1.3 * thickest):
         half[ndimage.distance_transform_edt(depth < radius) < radius] = radius
