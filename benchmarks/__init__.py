@@ -1,0 +1,1 @@
+"""What flowtree reaches, measured: ``python -m benchmarks`` lists the programs here."""
