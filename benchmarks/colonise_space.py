@@ -13,7 +13,7 @@ from flowtree.model.skeleton import Skeleton
 
 _STEP = 0.13  # [m] a shoot grows in a round
 _REACH = 2.4  # [m] within which a point draws a shoot
-_KILL = 0.27  # [m] within which a point is reached
+_KILL = 0.22  # [m] within which a point is reached
 _FORK = 2.5  # [m] height of the clear stem
 _LEADER = 5.6  # [m] up to which the stem goes on through the crown
 _TIP_RADIUS = 0.0045  # [m]
@@ -73,8 +73,8 @@ def _scatter(
     rng: np.random.Generator, middle: NDArray[np.float64], size: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Points in an ellipsoid, a little denser outside."""
-    way = rng.normal(size=(600, 3))
-    way *= rng.random((600, 1)) ** (1 / 3.4) / np.linalg.norm(way, axis=1, keepdims=True)
+    way = rng.normal(size=(900, 3))
+    way *= rng.random((900, 1)) ** (1 / 3.4) / np.linalg.norm(way, axis=1, keepdims=True)
     return middle + way * size
 
 

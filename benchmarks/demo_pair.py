@@ -34,25 +34,26 @@ from flowtree.render.write_picture import write_picture
 _FOLDER = Path(__file__).parents[1] / "flowtree" / "cli" / "demo"
 _SUN_AZIMUTH, _SUN_ELEVATION = 40.0, 50.0  # [degrees], of the world: it stands still between the pictures
 _SEED = 7
-_LEAVES = 11  # on a shoot of 0.13 m
+_LEAVES = 8  # on a shoot of 0.13 m
 _GOLDEN = 2.399963
 _SHADOW_CELL, _SHADOW_CELLS = 0.06, 400
 
 
 @dataclass(frozen=True)
 class Shot:
-    """One picture: where from, how bright, how straight."""
+    """One picture: where from, how bright, how straight, under which clouds."""
 
     yaw: float
     stand: Stand
     exposure: float
     tilt: float
     warmth: float
+    weather: int
 
 
 _SHOTS = (
-    Shot(-4.0, Stand(24.0, 1.6, 84.0, (446.0, 1030.0), 900, 1120), 1.0, 0.0, 1.0),
-    Shot(93.0, Stand(29.0, 1.7, 74.0, (530.0, 918.0), 1000, 1000), 1.08, 0.9, 1.03),
+    Shot(-4.0, Stand(24.0, 1.6, 84.0, (446.0, 1030.0), 900, 1120), 1.0, 0.0, 1.0, 25),
+    Shot(93.0, Stand(29.0, 1.7, 74.0, (530.0, 918.0), 1000, 1000), 1.08, 0.9, 1.03, 26),
 )
 
 
@@ -65,7 +66,7 @@ def main(argv: list[str]) -> int:
     tree = build_tree(_SEED)
     for number, shot in enumerate(_SHOTS):
         path = folder / f"photo_{number}.jpg"
-        write_picture(take_photo(tree, shot, seed=_SEED + number), path, quality=88)
+        write_picture(take_photo(tree, shot), path, quality=88)
         print(f"demo_pair.photo_{number}.size {path.stat().st_size / 1000:.0f} kB")
     return 0
 
@@ -87,7 +88,7 @@ def build_tree(seed: int) -> TreeModel:
 def _leaf_out(skeleton: Skeleton, seed: int) -> Foliage:
     """Leaves in a spiral around all thin shoots, hanging a little, turned to the light."""
     rng = np.random.default_rng(seed)
-    leaf, material = make_leaf("broad", color=(96, 128, 52), seed=seed)
+    leaf, material = make_leaf("broad", seed=seed)
     thin = np.flatnonzero((skeleton.radius < 0.016) & (skeleton.parent >= 0))
     node = np.repeat(thin, _LEAVES)
     count = len(node)
@@ -116,7 +117,7 @@ def _leaf_out(skeleton: Skeleton, seed: int) -> Foliage:
     )
 
 
-def take_photo(tree: TreeModel, shot: Shot, *, seed: int) -> NDArray[np.uint8]:
+def take_photo(tree: TreeModel, shot: Shot) -> NDArray[np.uint8]:
     """The tree over its backdrop, as a camera saves it: (h, w, 3) uint8."""
     stand = shot.stand
     aside = _SUN_AZIMUTH - shot.yaw
@@ -124,16 +125,35 @@ def take_photo(tree: TreeModel, shot: Shot, *, seed: int) -> NDArray[np.uint8]:
     near = _foreshorten(tree, shot.yaw, stand)
     camera = Camera(shot.yaw, 1 / stand.scale, stand.foot, stand.width, stand.height)
     drawn = render_view(near, camera, params=sun).astype(np.float32) / 255
-    behind = paint_backdrop(stand, _cast_shadow(tree, shot.yaw, aside), _SHADOW_CELL, np.sign(aside), seed)
+    behind = paint_backdrop(
+        stand, _cast_shadow(tree, shot.yaw, aside), _SHADOW_CELL, np.sign(aside), shot.weather
+    )
     alpha = drawn[:, :, 3:]
     picture = drawn[:, :, :3] * alpha + encode_srgb(behind * np.float32(0.92)) * (1 - alpha)
+    picture = _plant_blades(picture, stand, shot.weather)
     turn = cv2.getRotationMatrix2D(stand.foot, shot.tilt, 1.0 + 0.02 * abs(shot.tilt))
     size = (stand.width, stand.height)
     picture = cv2.warpAffine(picture, turn, size, flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT)
     picture = cv2.GaussianBlur(picture, (0, 0), 0.45)
     picture = picture * shot.exposure * np.array([shot.warmth, 1.0, 1 / shot.warmth])
-    picture += np.random.default_rng(seed).normal(0, 0.004, picture.shape[:2])[:, :, None]
+    picture += np.random.default_rng(shot.weather).normal(0, 0.004, picture.shape[:2])[:, :, None]
     return np.rint(255 * np.clip(picture, 0, 1)).astype(np.uint8)
+
+
+def _plant_blades(picture: NDArray[np.float32], stand: Stand, seed: int) -> NDArray[np.float32]:
+    """Blades of grass before the trunk's foot, in the colours of the meadow under them."""
+    rng = np.random.default_rng(seed)
+    drawn = np.ascontiguousarray(picture)
+    for away in np.sort(rng.uniform(-1.0, 1.0, 300)):
+        x = stand.foot[0] + stand.scale * rng.normal(0, 0.4)
+        y = stand.foot[1] + 0.05 * stand.scale * (1 + away) + 1
+        beside = picture[int(y) + 6, int(np.clip(x + rng.normal(0, 30), 0, stand.width - 1))]
+        tall = stand.scale * rng.uniform(0.04, 0.12)
+        ends = [(x, y), (x + rng.normal(0, 0.35) * tall, y - tall)]
+        start, end = ([round(16 * part) for part in point] for point in ends)
+        color = (beside * rng.uniform(0.72, 1.06)).tolist()
+        cv2.line(drawn, start, end, color, 1, cv2.LINE_AA, shift=4)
+    return drawn
 
 
 def _foreshorten(tree: TreeModel, yaw: float, stand: Stand) -> TreeModel:
