@@ -15,7 +15,7 @@ from flowtree.params import FieldParams
 
 _BELOW, _ABOVE, _BESIDE = 0.02, 0.05, 0.1  # of the height: what the grid covers around the graph
 _SPACING = 0.008  # of the height: how densely the graph is sampled for the search
-_CANDIDATES = 4  # segments near a cell that are measured exactly
+_CANDIDATES = 8  # segments near a cell that are measured exactly
 _ROUNDS = 4  # of tangent smoothing
 _STILL = 1e-3  # a sum of directions shorter than this points nowhere
 
@@ -114,8 +114,9 @@ def _nearest(
 ) -> tuple[_Array, _Array]:
     """Vector (m, 2) to the nearest point of the graph and the unit tangent (m, 2) there.
 
-    A k-d tree over the middles of short pieces finds candidates, whose distance is then exact. The nearest
-    piece can only be missed among pieces whose middles all lie nearer, by less than spacing² / 8d.
+    A k-d tree over the middles of short pieces finds candidates, whose distance is then exact. The
+    nearest piece can only be missed where the middles of all candidates lie nearer: by less than spacing² / 8d,
+    and by half the spacing at a node that more than eight branches leave.
     """
     starts, ends, owner_start, owner_end = _pieces(parent, points, spacing)
     count = min(_CANDIDATES, len(starts))

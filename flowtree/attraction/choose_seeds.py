@@ -34,8 +34,8 @@ def choose_seeds(
     """Seed cells on the silhouette of the crown (Particle Flows, section 4).
 
     The paper draws them at random; ``farthest`` spreads them instead: each is the point of the silhouette
-    farthest from all before it, from the crown's top on. Every seed then moves to the densest cell near it. A
-    bare tree gets up to a third as many again at ends of twigs far from those, wherever in the crown they lie.
+    farthest from all before it, from the crown's top on. Every seed then moves to the densest cell near it.
+    A bare tree gets up to a third as many again at ends of twigs far from those, wherever they lie.
 
     Returns: (k, 2) (row, column), those on the silhouette first.
     """

@@ -27,7 +27,7 @@ class _Branch:
     carrier: int  # its number, -1 for the trunk
 
 
-def shape_branches(tree: GrowingTree, tall: float) -> tuple[NDArray[np.int32], _Array]:
+def shape_branches(tree: GrowingTree, tall: float, lowest: int = 0) -> tuple[NDArray[np.int32], _Array]:
     """Smooths and resamples a tree of grid paths; drawn nodes, tips and the root stay.
 
     Each branch runs on through its forks into its heaviest child, so a fork makes no kink in it. Side
@@ -37,6 +37,7 @@ def shape_branches(tree: GrowingTree, tall: float) -> tuple[NDArray[np.int32], _
     Args:
         tree: what the paths left.
         tall: the tree's height [cells].
+        lowest: no fork moves below this node.
 
     Returns:
         parent: (n,) int32, ``parent[i] < i``.
@@ -50,7 +51,7 @@ def shape_branches(tree: GrowingTree, tall: float) -> tuple[NDArray[np.int32], _
     for number, branch in enumerate(branches):
         _smooth_runs(branch.nodes, position, drawn, _SMOOTH * tall)
         if branch.carrier >= 0:
-            _relax_fork(branch, branches[branch.carrier], position, drawn, tall)
+            _relax_fork(branch, branches[branch.carrier], position, drawn, tall, lowest)
         for place, node in enumerate(branch.nodes[1:], 1):
             on_carrier[node] = (number, place)
     return _assemble(branches, position, drawn, _SPACING * tall)
@@ -91,7 +92,12 @@ def _smooth_runs(nodes: list[int], position: _Array, drawn: NDArray[np.bool_], s
 
 
 def _relax_fork(
-    branch: _Branch, carrier: _Branch, position: _Array, drawn: NDArray[np.bool_], tall: float
+    branch: _Branch,
+    carrier: _Branch,
+    position: _Array,
+    drawn: NDArray[np.bool_],
+    tall: float,
+    lowest: int,
 ) -> None:
     """Bends the beginning of a branch that leaves its carrier too flatly, in place."""
     line = position[branch.nodes]
@@ -117,7 +123,8 @@ def _relax_fork(
     slide = min(max(slide, _KINK * tall), _BEND * tall)
     back = np.cumsum(np.linalg.norm(np.diff(position[carrier.nodes[fork::-1]], axis=0), axis=1))
     steps = int(np.searchsorted(back, slide))
-    lower = max(1 if fork > 1 else 0, fork - steps)
+    floor = carrier.nodes.index(lowest) if lowest in carrier.nodes[: fork + 1] else 0
+    lower = max(floor, 1 if fork > 1 else 0, fork - steps)
     branch.nodes[0] = carrier.nodes[lower]
     start = position[branch.nodes[0]]
     chord = line[bend] - start

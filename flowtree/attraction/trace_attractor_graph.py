@@ -107,7 +107,7 @@ def trace_attractor_graph(
             merging=params.merging,
             shortest=shortest,
         )
-    parent, points = shape_branches(tree, grid.tall)
+    parent, points = shape_branches(tree, grid.tall, lowest=int(tree.node_at[goal]))
     plane = pixels_to_plane(grid.to_pixels(points), camera).astype(np.float32)
     plane[0] = 0.0  # exactly: rounding is no part of the foot
     return AttractorGraph(parent, plane)

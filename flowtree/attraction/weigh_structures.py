@@ -56,8 +56,8 @@ def weigh_structures(grid: WorkingGrid, crown: CrownOutline, rng: np.random.Gene
 
 
 def _leader(grid: WorkingGrid, crown: CrownOutline) -> _Map:
-    """A factor (h, w) that is 1 on the midline of a spire and higher beside it; 1 all over for a round crown."""
-    rows, columns = np.indices(crown.shape.shape, dtype=np.float64)
+    """A factor (h, w) that is 1 on the midline of a spire and higher beside it; 1 in a round crown."""
+    columns = np.indices(crown.shape.shape, dtype=np.float64)[1]
     width = crown.shape.sum(axis=1).astype(np.float64)
     # Rows beyond the crown take the nearest midline; the blur is weighted by the rows' width.
     sigma = 0.06 * grid.tall
