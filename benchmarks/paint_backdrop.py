@@ -84,8 +84,8 @@ def _paint_sky(down: Picture, across: Picture, sun_side: float, rng: np.random.G
 def _paint_hills(picture: Picture, horizon: float, stand: Stand, rng: np.random.Generator) -> None:
     """Two ridges in the haze and a line of hedges, each darker than the one behind it."""
     ridges = (
-        (0.50, 260.0, 0.30, 0.015, np.array([0.33, 0.45, 0.56])),
-        (0.34, 150.0, 0.22, 0.05, np.array([0.20, 0.31, 0.27])),
+        (0.42, 260.0, 0.24, 0.015, np.array([0.33, 0.45, 0.56])),
+        (0.28, 150.0, 0.18, 0.03, np.array([0.20, 0.31, 0.27])),
         (0.15, 30.0, 0.10, 0.22, np.array([0.075, 0.13, 0.045])),
     )
     for rise, length, swing, grained, color in ridges:
