@@ -85,7 +85,8 @@ def _find_seeds(lab: NDArray[np.float32], texture: NDArray[np.float32]) -> NDArr
     if not calm and blue.sum() > 0.3 * seeds.sum():
         seeds = blue  # under a blue sky a smooth bright patch is bark
     count, parts, boxes, centres = cv2.connectedComponentsWithStats(seeds.astype(np.uint8), connectivity=4)
-    keep = boxes[:, cv2.CC_STAT_AREA] >= (6 if calm else 2)
+    # Where open sky shows, small patches may be snow or a lit leaf; gaps are claimed by their colour later.
+    keep = boxes[:, cv2.CC_STAT_AREA] >= (max(6.0, 5e-4 * seeds.size) if calm else 2)
     keep &= (boxes[:, cv2.CC_STAT_TOP] < 0.55 * height) & (centres[:, 1] < 0.7 * height)
     keep[0] = False
     kept: NDArray[np.bool_] = keep[parts] if count > 1 else np.zeros_like(seeds)
