@@ -51,7 +51,7 @@ def find_nearest(
                             best = square
                             nearest = j
                         heavier = mass[j] > mass[i] or (mass[j] == mass[i] and j < i)
-                        threshold = wp.max(reach + growth * (wp.sqrt(mass[i] + mass[j]) - 1.0), 0.0)
+                        threshold = wp.min(reach + growth * (wp.sqrt(mass[i] + mass[j]) - 1.0), radius)
                         share = square / (threshold * threshold)
                         if heavier and (share < deepest or (share == deepest and (host < 0 or j < host))):
                             deepest = share

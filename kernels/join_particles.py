@@ -49,7 +49,7 @@ def join_particles(
                 end_step_out[i] = now
         else:
             # No guest is heavier than its host, so none is farther away than this.
-            far = wp.max(reach + growth * (wp.sqrt(2.0 * mass[i]) - 1.0), 0.0)
+            far = reach + growth * (wp.sqrt(2.0 * mass[i]) - 1.0)
             low = cell_of(grid, position[i] - wp.vec3(far, far, far))
             high = cell_of(grid, position[i] + wp.vec3(far, far, far))
             total = mass[i]
