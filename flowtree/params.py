@@ -99,7 +99,9 @@ class DensityParams(StageParams):
 class FlowParams(StageParams):
     """Particle tracing (Particle Flows, section 6)."""
 
-    particle_count: int = _number(2000, "particles released in the crown", ge=1, le=5_000_000)
+    particle_count: int | None = _number(
+        None, "particles released in the crown; left out, by how much crown there is", ge=1, le=5_000_000
+    )
     step: float = _number(
         0.006, "length of a time step at unit speed", ge=0.0005, le=0.1, unit="tree heights"
     )
@@ -112,7 +114,7 @@ class FlowParams(StageParams):
     )
     join_growth: float = _number(
         0.0006,
-        "what the square root of a pair's mass adds to the joining distance: thick limbs take in their neighbours",
+        "what the root of a pair's mass adds to the joining distance: limbs take in their neighbours",
         ge=0,
         le=0.1,
         unit="tree heights",
@@ -136,6 +138,9 @@ class ThicknessParams(StageParams):
     """Da Vinci radii (Particle Flows, section 8)."""
 
     da_vinci: float = _number(1.0, "the constant a in r² = a Σ rᵢ² at forks", ge=1.0, le=1.2)
+    exponent: float | None = _number(
+        None, "in place of the 2; left out, it is 2, and fitted to the mattes of a bare tree", ge=1.5, le=4
+    )
     trunk_radius: float | None = _number(
         None,
         "radius of the trunk above its foot; left out, it is measured in the photos",
@@ -146,6 +151,7 @@ class ThicknessParams(StageParams):
     slenderness: float = _number(
         0.018, "radius of a trunk that no photo shows", gt=0, le=0.2, unit="tree heights"
     )
+    taper: float = _number(0.4, "how much thinner than by the rule alone a tip is", ge=0, le=0.95)
     thinnest: float = _number(0.0002, "radius of the thinnest branch", ge=0, le=0.01, unit="tree heights")
 
 
@@ -156,6 +162,13 @@ class BranchParams(StageParams):
     smoothing: int = _number(6, "rounds of smoothing; 0 leaves branches chiselled", ge=0, le=100)
     least_angle: float = _number(
         28.0, "forks narrower than this are moved to where the branches part", ge=0, le=80, unit="degrees"
+    )
+    longest_lone: float = _number(
+        0.2,
+        "a side branch of p particles longer than this times the root of p is dropped: wires are no branches",
+        gt=0,
+        le=10,
+        unit="tree heights",
     )
     shortest: float = _number(0.008, "shorter side branches are dropped", ge=0, le=0.5, unit="tree heights")
     limb_radius: float = _number(
@@ -170,9 +183,31 @@ class BranchParams(StageParams):
 class TwigParams(StageParams):
     """Small twigs (Particle Flows, section 8)."""
 
+    length: float = _number(0.04, "mean length of a twig", gt=0, le=0.5, unit="tree heights")
+    frequency: float = _number(
+        160.0,
+        "places for a twig along a thin branch, of which the mattes choose",
+        ge=0,
+        le=2000,
+        unit="1/tree height",
+    )
+    most: int = _number(3500, "twigs aimed at", ge=0, le=200_000)
     divergence: float = _number(
         137.5, "angle around the branch from twig to twig; 90 and 180 occur too", ge=0, le=360, unit="degrees"
     )
+    angle: float = _number(48.0, "angle between branch and twig", ge=0, le=120, unit="degrees")
+    plagiotropism: float = _number(0.25, "how far twigs bend toward the horizontal", ge=0, le=1)
+    rigidity: float = _number(0.85, "1 stands stiff, 0 hangs", ge=0, le=1)
+    curl: float = _number(0.08, "how far a twig's tip leaves the straight line", ge=0, le=1, unit="lengths")
+    side_twigs: int = _number(4, "side twigs on a twig of a bare tree", ge=0, le=12)
+    radius: float = _number(0.0005, "radius at the base", gt=0, le=0.01, unit="tree heights")
+    thickest: float = _number(
+        2.0,
+        "factor by which the twigs of a bare tree may be thickened to reach the matte's alpha",
+        ge=1,
+        le=10,
+    )
+    bearing_particles: int = _number(24, "branches of more particles bear no twigs", ge=1, le=1_000_000)
 
 
 class MeshingParams(StageParams):
@@ -198,6 +233,25 @@ class LeafParams(StageParams):
         "auto", "the leaf's shape"
     )
     picture: str | None = _choice(None, "PNG of a leaf with alpha, its stalk's end at the bottom centre")
+    size: float = _number(
+        0.016,
+        "mean length of a leaf; larger where the crown would need too many",
+        gt=0,
+        le=0.5,
+        unit="tree heights",
+    )
+    amount: float = _number(1.0, "factor to the optical depth that the mattes ask for", ge=0, le=4)
+    most: int = _number(24000, "leaves at most", ge=1, le=2_000_000)
+    choice: float = _number(3.0, "places looked at for each leaf", ge=1, le=20)
+    densest: float = _number(12.0, "places at most along a leaf's length of twig", ge=1, le=100)
+    divergence: float = _number(
+        137.5, "angle around the twig from leaf to leaf; 90 and 180 occur too", ge=0, le=360, unit="degrees"
+    )
+    angle: float = _number(55.0, "angle between twig and leaf", ge=0, le=120, unit="degrees")
+    plagiotropism: float = _number(0.55, "how strictly leaves turn their upper side to the sky", ge=0, le=1)
+    hang: float = _number(0.25, "how far leaves hang", ge=0, le=3)
+    color_variation: float = _number(0.12, "relative variation of brightness from leaf to leaf", ge=0, le=1)
+    bearing_particles: int = _number(2, "branches of more particles bear no leaves", ge=1, le=1000)
 
 
 class RenderParams(StageParams):

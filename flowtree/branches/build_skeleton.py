@@ -18,16 +18,22 @@ from flowtree.params import BranchParams
 def build_skeleton(traces: FlowTraces, *, params: BranchParams = BranchParams()) -> Skeleton:
     """Turns the particles' joined paths into branches with forks.
 
-    The traces are thinned to one node every few steps; what ends inside the wood of the limb it leaves is pruned;
-    branches are smoothed (``params.smoothing``; 0 leaves them chiselled, Particle Flows, figure 5c); and where a
-    path ran along its limb before it joined, the fork is moved to where the two part, at a natural angle.
+    The traces are thinned to one node every few steps; what ends inside the wood of the limb it leaves is
+    pruned; branches are smoothed (``params.smoothing``; 0 leaves them chiselled, Particle Flows, figure 5c);
+    and where a path ran along its limb before it joined, the fork is moved to where the two part, at a
+    natural angle.
 
     Returns: the skeleton, with ``radius`` still 0; the particles at the root are all particles.
     """
     parent, points, own = _thin(traces, params.stride)
     height = float(points[:, 1].max() - points[:, 1].min()) or 1.0
     parent, points, own = prune_branches(
-        parent, points, own, shortest=params.shortest * height, limb=params.limb_radius * height
+        parent,
+        points,
+        own,
+        shortest=params.shortest * height,
+        limb=params.limb_radius * height,
+        longest_lone=params.longest_lone * height,
     )
     points = smooth_branches(parent, points, sum_to_root(parent, own), rounds=params.smoothing)
     parent, points, own = relax_forks(parent, points, own, least_angle=params.least_angle)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flowtree import check
 from flowtree.branches.order_branches import order_branches
@@ -12,14 +13,19 @@ from flowtree.geometry.parent_array import child_count, levels
 from flowtree.model.skeleton import Skeleton
 from flowtree.params import ThicknessParams
 
+_DA_VINCI = 2.0  # areas add up
+
 
 def da_vinci_radii(
     skeleton: Skeleton, *, trunk_radius: float | None = None, params: ThicknessParams = ThicknessParams()
 ) -> Skeleton:
-    """Gives every node a radius [m]: ``r**2 = a * sum(r_i**2)`` over its children, tips in proportion to particles.
+    """Gives every node a radius [m]: ``r**e = a * sum(r_i**e)`` over its children, with e = 2.
 
-    Unlike the paper, which leaves the scale open, the trunk's width sets it: ``params.trunk_radius``, else the
-    one measured in the photos, else a share of the height.
+    Unlike the paper, which leaves the scale open, the trunk's width sets it: ``params.trunk_radius``, else
+    the one measured in the photos, else a share of the height. ``params.exponent`` may replace the 2.
+
+    Between forks the rule leaves a stem as thick as it was; real ones taper, by ``params.taper`` from root
+    to tip.
 
     Args:
         skeleton: the branches.
@@ -44,7 +50,22 @@ def da_vinci_radii(
         np.add.at(total, above, total[nodes] * np.where(children[above] > 1, params.da_vinci, 1.0))
     height = float(np.ptp(skeleton.points[:, 1]))
     trunk = params.trunk_radius or trunk_radius or params.slenderness * height
-    # Above the root's own forks: what carries the crown counts, not the node at the very foot.
-    radius = np.sqrt(total / total[0]) * trunk
+    radius = (total / total[0]) ** (1.0 / (params.exponent or _DA_VINCI)) * trunk
+    radius *= 1.0 - params.taper * _way_share(skeleton)
     radius = np.maximum(radius, min(params.thinnest * height, trunk))
     return replace(skeleton, radius=radius.astype(np.float32), level=order_branches(skeleton.parent, radius))
+
+
+def _way_share(skeleton: Skeleton) -> NDArray[np.float64]:
+    """How far each node is on the way from the root to the farthest tip behind it: 0 at first, 1 at tips."""
+    parent = skeleton.parent
+    segment = np.linalg.norm(skeleton.points - skeleton.points[np.maximum(parent, 0)], axis=1).astype(
+        np.float64
+    )
+    come, ahead = np.zeros(len(parent)), np.zeros(len(parent))
+    walk = levels(parent)[1:]
+    for nodes in walk:
+        come[nodes] = come[parent[nodes]] + segment[nodes]
+    for nodes in reversed(walk):
+        np.maximum.at(ahead, parent[nodes], ahead[nodes] + segment[nodes])
+    return np.asarray(come / np.maximum(come + ahead, 1e-12))

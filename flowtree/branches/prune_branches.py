@@ -1,4 +1,4 @@
-"""Removes what ends inside the wood."""
+"""Removes what ends inside the wood, and wires."""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ def prune_branches(
     *,
     shortest: float,
     limb: float,
+    longest_lone: float,
 ) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.int32]]:
-    """Drops side branches that are too short to leave the limb they grow from.
+    """Drops side branches that end inside the limb they grow from, and stray wires.
 
     Args:
         parent: (n,).
@@ -25,6 +26,8 @@ def prune_branches(
         shortest: side branches shorter than this go [m].
         limb: rough radius of the trunk [m]; a limb of p of all P particles has ``limb * sqrt(p / P)``, and a
             side branch must be longer than twice that, besides ``shortest``.
+        longest_lone: a side branch of p particles longer than this times ``sqrt(p)`` goes [m]: what a stray
+            particle left on its way alone is a wire, not a branch.
 
     Returns: parent, points and own of what is left.
     """
@@ -38,7 +41,8 @@ def prune_branches(
     radius = limb * np.sqrt(particles / max(int(particles[0]), 1))
     above = np.maximum(parent, 0)
     side = (parent >= 0) & (carries_on[above] != np.arange(len(parent)))
-    gone = side & (reach + segment < shortest + 2 * radius[above])
+    length = reach + segment
+    gone = side & ((length < shortest + 2 * radius[above]) | (length > longest_lone * np.sqrt(particles)))
     home = np.arange(len(parent))  # the node that keeps a dropped node's particles
     for nodes in depth_levels[1:]:
         inherits = gone[parent[nodes]]

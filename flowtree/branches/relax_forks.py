@@ -20,8 +20,8 @@ def relax_forks(
 ) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.int32]]:
     """Moves the forks of side branches that first run along their limb to where the two part.
 
-    Particles attract each other before they join, so a side branch approaches its limb at a small angle. Such a
-    branch is followed outwards, together with its limb, until the way over from the limb makes at least
+    Particles attract each other before they join, so a side branch approaches its limb at a small angle. Such
+    a branch is followed outwards, together with its limb, until the way over from the limb makes at least
     ``least_angle`` with it; there it is attached, and the nodes before are dropped. Whatever grew from those
     nodes grows from the limb beside them.
 
@@ -33,7 +33,7 @@ def relax_forks(
 
     Returns: parent, points and own of what is left, parents before children.
     """
-    parent = parent.copy()
+    parent = parent.astype(np.int32)
     own = own.copy()
     least_cosine = np.cos(np.radians(least_angle))
     gone = np.zeros(len(parent), np.bool_)
@@ -52,8 +52,8 @@ def relax_forks(
     kept = ~gone
     index = np.cumsum(kept) - 1
     above = parent[kept]
-    order, parent = parents_first(np.where(above >= 0, index[above], -1).astype(np.int32))
-    return parent, points[kept][order], own[kept][order]
+    order, sorted_parent = parents_first(np.where(above >= 0, index[above], -1))
+    return sorted_parent, points[kept][order], own[kept][order]
 
 
 def _partings(
@@ -75,7 +75,7 @@ def _partings(
         over = points[side] - points[limb]
         length = np.linalg.norm(along, axis=1) * np.linalg.norm(over, axis=1)
         wide = np.sum(along * over, axis=1) < least_cosine * length
-        # The limb's own next node may be the branch itself at a fork of equals; then there is nothing to part from.
+        # At a fork of equals the limb's next node may be the branch itself: there is nothing to part from.
         now = open_ & (wide | (beyond < 0) | (beyond == side))
         parted[now] = k
         open_ &= ~now & (ahead[side] >= 0)

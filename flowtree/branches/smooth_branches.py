@@ -15,8 +15,8 @@ def smooth_branches(
 ) -> NDArray[np.float64]:
     """Moves every node toward the middle of its neighbours along its branch; the root and the tips stay.
 
-    A branch goes on into its heaviest child, so the limb runs smoothly through a fork and the side branch bends
-    away from it.
+    A branch goes on into its heaviest child, so the limb runs smoothly through a fork and the side branch
+    bends away from it.
 
     Args:
         parent: (n,).

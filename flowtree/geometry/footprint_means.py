@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -51,7 +53,7 @@ def optical_depth(alpha: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(-np.log1p(-np.clip(alpha, 0.0, OPAQUE)))
 
 
-def _integrate(values: NDArray[np.float64], lines: NDArray[np.float64], *, axis: int) -> NDArray[np.float64]:
+def _integrate(values: NDArray[Any], lines: NDArray[Any], *, axis: int) -> NDArray[np.float64]:
     """The cumulative sum along an axis, sampled linearly at fractional pixel borders."""
     total = np.concatenate([np.zeros_like(values.take([0], axis)), np.cumsum(values, axis)], axis)
     n = values.shape[axis]

@@ -59,6 +59,14 @@ def sum_to_root(parent: NDArray[np.integer[Any]], own: NDArray[Any]) -> NDArray[
     return total
 
 
+def sum_before(parent: NDArray[np.integer[Any]], own: NDArray[Any]) -> NDArray[Any]:
+    """The sum of the values of all nodes between every node and its root, without its own: (n,)."""
+    total = np.zeros_like(own)
+    for nodes in levels(parent)[1:]:
+        total[nodes] = total[parent[nodes]] + own[parent[nodes]]
+    return total
+
+
 def child_count(parent: NDArray[np.integer[Any]]) -> NDArray[np.int64]:
     """Children of every node: (n,)."""
     return np.bincount(parent[parent >= 0], minlength=len(parent))

@@ -1,0 +1,60 @@
+"""The leaves' colours, from the photos (Particle Flows, section 8)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from flowtree.geometry.projection import project, view_axes
+from flowtree.model.camera import Camera
+from flowtree.model.matte import Matte
+
+_BLUR = 0.004  # of the picture's height: about a leaf, so that one dark pixel between leaves does not count
+_TEXTURE = 0.8  # brightness of a leaf texture's mean, which is multiplied with the colour
+
+
+def color_leaves(
+    points: NDArray[np.float64],
+    mattes: Sequence[Matte],
+    cameras: Sequence[Camera],
+    *,
+    variation: float,
+    seed: int = 0,
+) -> NDArray[np.float32]:
+    """Each leaf's colour is the tree's own where the leaf projects, in the view in whose foreground it is.
+
+    Args:
+        points: (n, 3) [m].
+        mattes: with the foreground's colours.
+        cameras: one a matte.
+        variation: standard deviation of the brightness from leaf to leaf, relative.
+        seed: of the variation.
+
+    Returns: (n, 3) float32 in 0..1, linear, to be multiplied with a texture of mean brightness 0.8.
+    """
+    colors = np.empty((len(mattes), len(points), 3))
+    nearness = np.empty((len(mattes), len(points)))
+    for k, (matte, camera) in enumerate(zip(mattes, cameras, strict=True)):
+        sigma = max(_BLUR * matte.alpha.shape[0], 0.5)
+        weight = matte.alpha + 1e-4
+        linear = _to_linear(matte.foreground) * weight[..., None]
+        soft = cv2.GaussianBlur(linear, (0, 0), sigma) / cv2.GaussianBlur(weight, (0, 0), sigma)[..., None]
+        pixel = np.floor(project(points, camera)).astype(int)
+        column = np.clip(pixel[:, 0], 0, matte.alpha.shape[1] - 1)
+        row = np.clip(pixel[:, 1], 0, matte.alpha.shape[0] - 1)
+        colors[k] = soft[row, column]
+        # A pixel that hardly holds tree has no colour to give, however near the leaf is to the camera.
+        nearness[k] = points @ view_axes(camera.yaw)[2] - 1e3 * (matte.alpha[row, column] < 0.1)
+    color = colors[np.argmax(nearness, axis=0), np.arange(len(points))]
+    bright = np.random.default_rng(seed).normal(1.0, variation, (len(points), 1))
+    return np.asarray(np.clip(color / _TEXTURE * np.clip(bright, 0.4, 1.8), 0.0, 1.0), np.float32)
+
+
+def _to_linear(rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
+    value = np.arange(256) / 255.0
+    table = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
+    linear: NDArray[np.float32] = table.astype(np.float32)[rgb]
+    return linear

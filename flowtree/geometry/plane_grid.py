@@ -1,0 +1,85 @@
+"""Grids in the planes of views, and how much small things cover of their cells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sparse
+from numpy.typing import NDArray
+
+from flowtree.geometry.footprint_means import footprint_means, optical_depth
+from flowtree.geometry.projection import View, to_plane
+
+
+@dataclass(frozen=True)
+class PlaneGrid:
+    """Square cells in the plane of a view.
+
+    Attributes:
+        yaw: of the view [degrees].
+        left: image-right coordinate of the first column's left line [m].
+        bottom: of the lowest row's lower line [m].
+        cell: edge of a cell [m].
+        columns: cells along image-right.
+        rows: cells along up.
+    """
+
+    yaw: float
+    left: float
+    bottom: float
+    cell: float
+    columns: int
+    rows: int
+
+
+def seen_depth(
+    alpha: NDArray[np.float32], view: View, *, cell: float
+) -> tuple[PlaneGrid, NDArray[np.float64]]:
+    """The optical depths that a matte shows, on a grid of the given cells that covers the picture.
+
+    Returns: the grid, and the depth of each cell (columns * rows,).
+    """
+    scale = view.metres_per_pixel
+    first = int(np.floor(-view.foot[0] * scale / cell))
+    last = int(np.ceil((alpha.shape[1] - view.foot[0]) * scale / cell))
+    low = int(np.floor((view.foot[1] - alpha.shape[0]) * scale / cell))
+    high = int(np.ceil(view.foot[1] * scale / cell))
+    grid = PlaneGrid(view.yaw, first * cell, low * cell, cell, last - first, high - low)
+    means = footprint_means(
+        alpha, view, left=grid.left, bottom=grid.bottom, cell=cell, columns=grid.columns, rows=grid.rows
+    )
+    return grid, optical_depth(means).ravel()
+
+
+def splat_matrix(
+    grid: PlaneGrid,
+    points: NDArray[np.float64],
+    areas: NDArray[np.float64],
+    things: NDArray[np.int64],
+    count: int,
+) -> sparse.csr_array:
+    """Optical depth that each thing gives each cell, each point's shared among the four cells around it.
+
+    Args:
+        grid: the cells.
+        points: (n, 3) world [m].
+        areas: (n,) area seen from this view [m^2].
+        things: (n,) the thing that each point is a part of.
+        count: of the things.
+
+    Returns: (columns * rows, count); what falls outside the grid is lost.
+    """
+    flat = to_plane(points, grid.yaw)
+    u = (flat[:, 0] - grid.left) / grid.cell - 0.5
+    v = (flat[:, 1] - grid.bottom) / grid.cell - 0.5
+    i, j = np.floor(u).astype(int), np.floor(v).astype(int)
+    a, b = u - i, v - j
+    cells, columns, weights = [], [], []
+    for di, dj, share in ((0, 0, (1 - a) * (1 - b)), (1, 0, a * (1 - b)), (0, 1, (1 - a) * b), (1, 1, a * b)):
+        inside = (i + di >= 0) & (i + di < grid.columns) & (j + dj >= 0) & (j + dj < grid.rows)
+        cells.append(((i + di) * grid.rows + j + dj)[inside])
+        columns.append(things[inside])
+        weights.append((share * areas)[inside] / grid.cell**2)
+    triple = (np.concatenate(weights), (np.concatenate(cells), np.concatenate(columns)))
+    return sparse.csr_array(triple, shape=(grid.columns * grid.rows, count))
