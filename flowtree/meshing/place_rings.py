@@ -131,14 +131,14 @@ def _axes(chains: Chains, points: Floats, thick: Floats, parent: Ints, extent: f
 
 
 def _side_count(radius: Floats, thickest: float, sides: int) -> Ints:
-    """Even, 4 or more (3 where 3 is asked for); it falls with the cube root of the radius.
+    """Even, as a texture that runs out and back turns at a corner; but 3 for twigs, and where 3 is asked for.
 
-    Equal deviation from the circle would ask for the square root; but 4 sides show on a branch one walks by.
+    It falls with the cube root of the radius. Equal deviation from the circle would ask for the square root,
+    but 4 sides show on a branch one walks by.
     """
-    if sides == 3:
-        return np.full(radius.shape, 3, np.int64)
     wanted = sides * np.cbrt(radius / thickest)
-    count: Ints = np.clip(2 * np.rint(wanted / 2.0), 4, sides - sides % 2).astype(np.int64)
+    even = np.clip(2 * np.rint(wanted / 2.0), 4, max(4, sides - sides % 2))
+    count: Ints = np.where((wanted < 3.0) | (sides == 3), 3, even).astype(np.int64)
     return count
 
 
