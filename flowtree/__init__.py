@@ -19,14 +19,27 @@ _PUBLIC = {
     "Matte": "flowtree.model.matte",
     "Params": "flowtree.params",
     "Photo": "flowtree.model.photo",
+    "Reconstruction": "flowtree.pipeline.reconstruct",
     "Skeleton": "flowtree.model.skeleton",
+    "StageCache": "flowtree.pipeline.cache",
     "TreeMesh": "flowtree.model.mesh",
     "TreeModel": "flowtree.model.tree",
+    "export_skeleton": "flowtree.export.export_skeleton",
+    "export_tree": "flowtree.export.export_tree",
+    "load_params": "flowtree.configuration",
+    "load_project": "flowtree.project.load_project",
+    "override_params": "flowtree.configuration",
+    "reconstruct": "flowtree.pipeline.reconstruct",
+    "save_project": "flowtree.project.save_project",
 }
 
 if TYPE_CHECKING:
+    from flowtree.configuration import load_params as load_params
+    from flowtree.configuration import override_params as override_params
     from flowtree.errors import FlowtreeError as FlowtreeError
     from flowtree.errors import InputError as InputError
+    from flowtree.export.export_skeleton import export_skeleton as export_skeleton
+    from flowtree.export.export_tree import export_tree as export_tree
     from flowtree.model.attractor import AttractorGraph as AttractorGraph
     from flowtree.model.camera import Camera as Camera
     from flowtree.model.field import DirectionField as DirectionField
@@ -39,6 +52,11 @@ if TYPE_CHECKING:
     from flowtree.model.tree import TreeModel as TreeModel
     from flowtree.model.volume import DensityVolume as DensityVolume
     from flowtree.params import Params as Params
+    from flowtree.pipeline.cache import StageCache as StageCache
+    from flowtree.pipeline.reconstruct import Reconstruction as Reconstruction
+    from flowtree.pipeline.reconstruct import reconstruct as reconstruct
+    from flowtree.project.load_project import load_project as load_project
+    from flowtree.project.save_project import save_project as save_project
 
 __all__ = sorted(_PUBLIC)
 

@@ -36,7 +36,7 @@ def draw_tree(seed: int = 0, *, size: tuple[int, int] = (160, 200)) -> NDArray[n
                 order + 1,
             )
 
-    grow(width / 2, height - 6, rng.uniform(-0.05, 0.05), 0.27 * height, 0.05 * height, 0)
+    grow(width / 2, height - 6, rng.uniform(-0.05, 0.05), 0.24 * height, 0.05 * height, 0)
     shrunk = (width, height)
     covered = cv2.resize(alpha, shrunk, interpolation=cv2.INTER_AREA)
     colors = cv2.resize(color, shrunk, interpolation=cv2.INTER_AREA).astype(np.float64)
