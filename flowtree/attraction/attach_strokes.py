@@ -15,7 +15,8 @@ from flowtree.geometry.polylines import drop_repeats, subdivide_polyline
 _TOUCH = 0.012  # of the height: strokes nearer than this touch
 _SPACING = 0.0075  # of the height: nodes along a stroke
 _SEARCHES = 16  # Dijkstra searches at most, however many strokes there are
-_UPPER = 0.6  # an upper end is the branch's base only if it is this much cheaper to reach than the lower one
+_ALONG = 0.3  # what a step along the tree costs of a step beside it
+_UPPER = 0.8  # an upper end is the branch's base only if it is this much cheaper to reach than the lower one
 
 _Array = NDArray[np.float64]
 
@@ -41,8 +42,9 @@ def attach_strokes(
         waiting = _attach_touching(tree, waiting, _TOUCH * tall)
         if not waiting:
             return
-        search = MCP_Geometric(cost)
-        total, _ = search.find_costs(np.argwhere(tree.node_at >= 0))
+        # The way to the root counts, not to the nearest node: a limb springs from the stem, not from a tip.
+        search = MCP_Geometric(np.where(tree.node_at >= 0, _ALONG * cost, cost))
+        total, _ = search.find_costs([tree.cell_of(tree.points[0])])
         waiting = [_nearer_end_first(tree, stroke, total) for stroke in waiting]
         prices = [float(total[tree.cell_of(stroke[0])]) for stroke in waiting]
         chosen = sorted(range(len(waiting)), key=lambda k: prices[k])[:together]

@@ -115,7 +115,7 @@ def _nearest(
     """Vector (m, 2) to the nearest point of the graph and the unit tangent (m, 2) there.
 
     A k-d tree over the middles of short pieces finds candidates, whose distance is then exact. The
-    nearest piece can only be missed where the middles of all candidates lie nearer: by less than spacing² / 8d,
+    nearest piece can only be missed where the middles of all candidates lie nearer: by under spacing² / 8d,
     and by half the spacing at a node that more than eight branches leave.
     """
     starts, ends, owner_start, owner_end = _pieces(parent, points, spacing)

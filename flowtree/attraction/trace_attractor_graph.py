@@ -27,7 +27,7 @@ from flowtree.model.photo import Photo
 from flowtree.params import AttractionParams
 
 _CROWDED = 0.03  # of the height: an automatic seed this near to a drawn branch would only double it
-_STUB = 0.04  # of the height: shorter automatic branches are noise of the outline
+_STUB = 0.055  # of the height: shorter automatic branches are noise of the outline
 _BARRED = 10.0  # times dearer: the stem below a given first fork
 
 _Array = NDArray[np.float64]
