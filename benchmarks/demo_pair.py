@@ -197,7 +197,3 @@ def _cast_shadow(tree: TreeModel, yaw: float, sun_aside: float) -> NDArray[np.fl
     depth = np.bincount(flat, weight[inside], minlength=_SHADOW_CELLS**2).reshape(_SHADOW_CELLS, -1)
     depth = cv2.GaussianBlur(depth / _SHADOW_CELL**2 / np.sin(high), (0, 0), 1.6)
     return np.exp(-depth).astype(np.float32)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main(__import__("sys").argv[1:]))

@@ -12,7 +12,7 @@ from flowtree.geometry.projection import view_axes
 from flowtree.model.camera import Camera
 from flowtree.render.cast_scene import ParallelView
 
-_MOST_RAYS = 6_000_000  # in one band: 50 MB of hits
+_MOST_RAYS = 3_000_000  # in one band: shading its hits takes up to 250 MB
 _MOST_PIXELS = 16384
 
 
