@@ -55,8 +55,9 @@ def find_sky(
     seeds = _find_seeds(lab, texture)
     if backdrop is not None:
         seeds |= backdrop
+    none = Sky(np.zeros_like(seeds), np.full((height, width), 99.0, np.float32), None)
     if seeds.mean() < 0.002:
-        return Sky(np.zeros_like(seeds), np.full((height, width), 99.0, np.float32), None)
+        return none
     radius = max(2, round(0.035 * height))
     window = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1, 2 * radius + 1))
     mask = seeds
@@ -66,8 +67,10 @@ def find_sky(
         whole = _global_distance(lab, mask)
         distance = np.minimum(distance, 1.25 * whole)
         mask = _spread(mask, (distance < NEAR) | mask, window)
-        if not last:
+        if not last and (mask & (texture < _ROUGH)).any():
             mask &= texture < _ROUGH
+            if not mask.any():  # a picture of leaves or noise from edge to edge
+                return none
     return Sky(mask, distance.astype(np.float32), colors)
 
 

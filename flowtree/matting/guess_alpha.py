@@ -17,6 +17,7 @@ from flowtree.matting.trace_trunk import Trunk, trace_trunk
 TREE, BACKGROUND, UNKNOWN = 1, 2, 3  # labels of scribbles
 _WEAK, _OPEN, _FIRM = 0.02, 0.01, 5.0  # confidences: an estimate, an edge of the trunk, almost certain
 _PICKED = 10.0  # colours this near to a picked one follow it [CIELAB]
+_REMEDY = "scribble on the tree and beside it, or pick their colours"
 _NOISE = 3.0  # of tree and sky colours when a pixel is split between them [CIELAB]
 
 
@@ -56,6 +57,7 @@ def guess_alpha(
     claimed = evidence > 3.0
     sky = Sky(sky.mask & ~claimed, np.where(claimed, 99.0, sky.distance).astype(np.float32), sky.colors)
     crown = find_crown((sky.distance > FAR) & ~sky.mask, sky.mask, claimed if claimed.any() else None)
+    guessed = crown is None
     if crown is None:
         crown = _assume_centre(name, texture, sky)
     tree = label_tree(rgb, lab, texture, sky.mask, crown, evidence, rounds=2)
@@ -63,6 +65,13 @@ def guess_alpha(
     if trunk is not None:
         evidence = evidence + _beside_trunk(trunk, tree, crown)
     tree = label_tree(rgb, lab, texture, sky.mask, crown, evidence, rounds=2)
+    check.require(
+        not guessed or _differs(np.dstack([lab, texture]), tree),
+        name,
+        "must show a tree that differs from what surrounds it",
+        "one thing all over",
+        _REMEDY,
+    )
     alpha, confidence = _split(lab, sky, tree, crown)
     if trunk is not None:
         _draw_trunk(alpha, confidence, trunk, crown)
@@ -72,9 +81,8 @@ def guess_alpha(
             confidence[scribbles == label] = KNOWN
         confidence[scribbles == UNKNOWN] = _OPEN
     share = float(alpha.mean())
-    remedy = "scribble on the tree and beside it, or pick their colours"
-    check.require(share > 0.001, name, "must show a tree", "no tree found", remedy)
-    check.require(share < 0.98, name, "must show something beside the tree", "one thing all over", remedy)
+    check.require(share > 0.001, name, "must show a tree", "no tree found", _REMEDY)
+    check.require(share < 0.98, name, "must show something beside the tree", "one thing all over", _REMEDY)
     return alpha, confidence
 
 
@@ -116,11 +124,21 @@ def _assume_centre(name: str, texture: NDArray[np.float32], sky: Sky) -> Crown:
         name,
         "must show a tree",
         "no tree found",
-        "scribble on the tree and beside it, or pick their colours",
+        _REMEDY,
     )
     side = 0.35 * width
     left, right = np.full(height, 0.5 * width - side), np.full(height, 0.5 * width + side)
     return Crown(core, np.full(width, 0.3 * height), left, right, 0.5 * width, 2.0 * side)
+
+
+def _differs(features: NDArray[np.float32], tree: NDArray[np.float32]) -> bool:
+    """Whether any feature's mean differs by half a standard deviation between tree and rest."""
+    likely = tree > 0.5
+    if likely.all() or not likely.any():
+        return False
+    front, rest = features[likely], features[~likely]
+    spread = np.sqrt(0.5 * (front.var(axis=0) + rest.var(axis=0))) + 1.0
+    return bool((np.abs(front.mean(axis=0) - rest.mean(axis=0)) > 0.5 * spread).any())
 
 
 def _beside_trunk(trunk: Trunk, tree: NDArray[np.float32], crown: Crown) -> NDArray[np.float32]:

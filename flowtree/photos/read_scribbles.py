@@ -125,6 +125,7 @@ def _draw(labels: NDArray[np.uint8], stroke: Any, name: str, photo: Photo) -> No
     layer = np.zeros_like(labels)
     if near:
         fixed = np.rint((path - 0.5) * 2**_SUBPIXEL).astype(np.int32).reshape(-1, 1, 2)
+        fixed = np.concatenate([fixed, fixed[-1:]])  # a single point is a dot, too
         thick = max(1, round(width * photo.scale))
         cv2.polylines(layer, [fixed], False, 1, thickness=thick, shift=_SUBPIXEL)
     check.require(
