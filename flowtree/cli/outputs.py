@@ -46,6 +46,17 @@ def check_folder(folder: Path) -> None:
         raise OutputError(check.one_line(text)) from error
 
 
+def check_new_folder(folder: Path) -> None:
+    """Refuses a folder that could neither be written nor made.
+
+    Raises:
+        OutputError: it is so.
+    """
+    while not folder.exists() and folder != folder.parent:
+        folder = folder.parent
+    check_folder(folder)
+
+
 def check_distinct(*outputs: Path | None) -> None:
     """Refuses two results in one file.
 

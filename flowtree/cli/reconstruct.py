@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from flowtree import check
-from flowtree.cli.outputs import check_distinct, check_output
+from flowtree.cli.outputs import check_distinct, check_new_folder, check_output
 from flowtree.cli.per_photo import parse_yaws, per_photo
 from flowtree.cli.progress import show_progress
 
@@ -76,6 +76,8 @@ def reconstruct(
     check_output(preview, PICTURE_ENDINGS, "--preview")
     check_output(report, (".json",), "--report")
     check_distinct(output, skeleton, preview, report)
+    if photos and project is not None:
+        check_new_folder(project)
     if not photos and project is None:
         raise typer.BadParameter("name at least one photo, or --project", param_hint="PHOTOS")
     with show_progress() as progress:
