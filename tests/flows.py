@@ -123,7 +123,7 @@ def stem_field(yaw, height=2.0, size=20):
     """Toward the axis and down it."""
     across = (np.arange(size) + 0.5) / size * height - height / 2
     vectors = np.zeros((size, size, 2))
-    vectors[..., 0] = -np.clip(across / (0.3 * height), -1, 1)
+    vectors[..., 0] = -0.95 * np.clip(across / (0.08 * height), -1, 1)
     vectors[..., 1] = -np.sqrt(1.0 - vectors[..., 0] ** 2)
     cell = height / size
     return DirectionField(

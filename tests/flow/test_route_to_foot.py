@@ -1,0 +1,51 @@
+import numpy as np
+import pytest
+
+from flowtree.flow.route_to_foot import route_to_foot
+from flowtree.model.volume import DensityVolume
+from tests.flows import cone_volume
+
+
+def _at(route, place):
+    directions, corner, spacing = route
+    cell = np.round((np.asarray(place) - corner) / spacing).astype(int)
+    return directions[tuple(np.clip(cell, 0, np.array(directions.shape[:3]) - 1))]
+
+
+def test_on_the_stem_the_way_is_down():
+    route = route_to_foot(cone_volume())
+    for y in (0.3, 0.8, 1.4):
+        assert _at(route, (0.0, y, 0.0))[1] < -0.9
+
+
+def test_under_a_hanging_crown_the_way_leads_up_through_the_branches():
+    """A gallows: a stem, an arm, and a curtain that hangs from its end."""
+    density = np.zeros((32, 32, 5), np.float32)
+    density[4:6, :, 1:4] = 1.0
+    density[4:28, 28:31, 1:4] = 1.0
+    density[26:28, 6:31, 1:4] = 1.0
+    volume = DensityVolume(density, np.float32([-0.5, 0, -0.25]), 0.1)
+    curtain = _at(route_to_foot(volume), (2.2, 2.2, 0.0))
+    assert curtain[1] > 0.7
+
+
+@pytest.mark.parametrize("shape", [(1, 1, 1), (1, 80, 1), (90, 1, 2), (3, 200, 3), (40, 33, 7)])
+def test_any_shape_has_unit_vectors_or_none(shape):
+    density = np.zeros(shape, np.float32)
+    density[-1, -1, -1] = 1e-20
+    directions, corner, spacing = route_to_foot(DensityVolume(density, np.float32([-1, 0, -1]), 0.1))
+    length = np.linalg.norm(directions, axis=-1)
+    assert (np.isclose(length, 1, atol=1e-5) | (length == 0)).all()
+    assert min(directions.shape[:3]) >= 3
+    assert max(directions.shape[:3]) <= 100
+    # The box covers the volume.
+    assert (corner <= np.float32([-1, 0, -1])).all()
+    reach = corner + spacing * (np.array(directions.shape[:3]) - 1)
+    assert (reach > np.array([-1, 0, -1]) + np.array(shape) * 0.1 - 0.5 * spacing).all()
+
+
+def test_the_way_is_as_symmetric_as_the_volume():
+    directions, _, _ = route_to_foot(cone_volume(size=16))
+    mirrored = directions[::-1] * [-1, 1, 1]
+    # The foot lies on a point beside the axis, between two: the middle alone may differ.
+    assert np.median(np.abs(directions - mirrored)) < 0.1
