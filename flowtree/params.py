@@ -184,6 +184,9 @@ class TwigParams(StageParams):
     """Small twigs (Particle Flows, section 8)."""
 
     length: float = _number(0.04, "mean length of a twig", gt=0, le=0.5, unit="tree heights")
+    bare_length: float = _number(
+        0.06, "mean length of a twig of a bare tree", gt=0, le=0.5, unit="tree heights"
+    )
     frequency: float = _number(
         160.0,
         "places for a twig along a thin branch, of which the mattes choose",
@@ -267,8 +270,8 @@ class RenderParams(StageParams):
         unit="degrees",
     )
     sun_elevation: float = _number(48.0, "height of the sun over the horizon", ge=1, le=90, unit="degrees")
-    sun: float = _number(2.6, "brightness of the sun; a sky of 1 lights a white wall fully", ge=0, le=20)
-    sky: float = _number(0.9, "brightness of the sky", ge=0, le=20)
+    sun: float = _number(3.0, "brightness of the sun; a sky of 1 lights a white wall fully", ge=0, le=20)
+    sky: float = _number(1.15, "brightness of the sky", ge=0, le=20)
 
 
 class Params(StageParams):
