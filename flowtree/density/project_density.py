@@ -40,8 +40,8 @@ def _sample(grid: NDArray[np.float64], u: NDArray[np.float64], v: NDArray[np.flo
     padded = np.pad(grid, 1)
 
     def split(t: NDArray[np.float64], n: int) -> tuple[NDArray[np.int_], NDArray[np.float64]]:
-        place = np.clip(t + 1, 0, n + 1 - 1e-9)
-        low = place.astype(int)
+        place = np.clip(t + 1, 0, n + 1)
+        low = np.minimum(place.astype(int), n)
         return low, place - low
 
     i, a = split(u, grid.shape[0])
