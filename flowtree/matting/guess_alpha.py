@@ -160,8 +160,12 @@ def _beside_trunk(trunk: Trunk, tree: NDArray[np.float32], crown: Crown) -> NDAr
     if len(begin) == 0:
         return against
     first = int(trunk.rows[begin[0]])
-    ramp = np.clip((np.arange(height) - first) / (0.05 * height), 0.0, 1.0)
-    against -= (3.0 * ramp[:, None]).astype(np.float32)
+    rows, columns = np.mgrid[:height, :width]
+    against -= (3.0 * np.clip((rows - first) / (0.05 * height), 0.0, 1.0)).astype(np.float32)
+    # Above, the crown opens like a bowl: hedges are level with its rim, not below it.
+    aside = np.abs(columns - trunk.centre[begin[0]])
+    below_rim = aside > 0.25 * crown.width + 1.5 * np.maximum(first - rows, 0)
+    against[below_rim & (rows < first) & (rows > crown.horizon[None, :])] -= 2.0
     for row, x, half in zip(trunk.rows, trunk.centre, trunk.half, strict=True):
         against[row, max(0, x - half) : x + half + 1] = 0.0
     return against
@@ -172,7 +176,8 @@ def _split(
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Alpha and confidence from the labels and, where sky is near, from the colours of tree and sky."""
     likely = tree > 0.5
-    alpha = tree.copy()
+    # Where no sky shines through, a pixel is tree or is not; doubts are those of the label, not a density.
+    alpha = np.clip((tree - 0.3) / 0.4, 0.0, 1.0)
     near_sky = np.zeros_like(likely)
     if sky.colors is not None:
         solid = (likely & (sky.distance > 8.0)).astype(np.float32)

@@ -45,6 +45,7 @@ def label_tree(
     """
     height = sky.shape[0]
     solid = ~sky
+    hidden = np.arange(height)[:, None] > crown.horizon[None, :]
     prior, outside = _place_prior(sky, crown)
     prior += evidence
     features = np.dstack([lab, np.log1p(cv2.blur(texture, (5, 5)))])
@@ -60,7 +61,7 @@ def label_tree(
         ratio = cv2.GaussianBlur(ratio, (0, 0), 0.008 * height)
         probability = (1.0 / (1.0 + np.exp(-np.clip(ratio + prior, -20.0, 20.0)))).astype(np.float32)
         probability[sky] = 0.0
-        probability = _keep_connected(probability, crown.core)
+        probability = _close_holes(_keep_connected(probability, crown.core), solid & hidden)
         tree = np.where(probability > 0.6, probability, 0.0) * solid
         rest = np.where(probability < 0.1, 1.0 - probability, 0.0) * solid
     return probability
@@ -116,3 +117,20 @@ def _keep_connected(probability: NDArray[np.float32], core: NDArray[np.bool_]) -
     shared[0] = 0.0
     strange = likely & ~(shared > 0.1 * max(float(shared.max()), 1.0))[parts]
     return np.where(strange, np.float32(0.2) * probability, probability)
+
+
+def _close_holes(probability: NDArray[np.float32], hidden: NDArray[np.bool_]) -> NDArray[np.float32]:
+    """Fills small holes where no sky lies behind: there they are shadows, not gaps.
+
+    A hole of less than a hundredth of the tree counts as small.
+    """
+    likely = probability > 0.5
+    holes = ~likely & hidden
+    count, parts, boxes, _ = cv2.connectedComponentsWithStats(holes.astype(np.uint8), connectivity=4)
+    edge = cv2.dilate((~likely & ~hidden).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    edge[[0, -1]] = edge[:, [0, -1]] = True
+    small = boxes[:, cv2.CC_STAT_AREA] < 0.01 * likely.sum()
+    small[np.unique(parts[edge])] = False
+    small[0] = False
+    filled: NDArray[np.float32] = np.where(small[parts], np.float32(0.9), probability)
+    return filled if count > 1 else probability
