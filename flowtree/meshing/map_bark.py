@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flowtree.meshing.place_rings import Floats, Ints, Rings
+from flowtree.meshing.branch_axes import Floats, Ints
+from flowtree.meshing.place_rings import Rings
 
 _GOLDEN = 0.6180339887498949
 _SHRINK = 1.8  # how far a branch may taper before the texture repeats less often around it

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree import check
+from flowtree.meshing.branch_axes import Floats, Ints
 from flowtree.meshing.map_bark import map_bark
-from flowtree.meshing.place_rings import Floats, Ints, Rings, place_rings
+from flowtree.meshing.place_rings import Rings, place_rings
 from flowtree.meshing.transport_frames import transport_frames
 from flowtree.model.mesh import TreeMesh
 from flowtree.model.skeleton import Skeleton

@@ -94,13 +94,22 @@ def test_triangles_face_outward():
 @given(skeletons)
 @settings(max_examples=15, deadline=None)
 def test_a_branch_begins_inside_its_parent(skeleton):
+    """On the axis of the wood below its fork, with a ring no thicker than that."""
     rings = place_rings(skeleton, MeshingParams())
     first = np.flatnonzero(np.diff(rings.chain, prepend=-1))
     chains = trace_chains(skeleton)
     leaves = skeleton.parent[chains.sprout[1:]]
-    assert np.allclose(rings.center[first[1:]], skeleton.points[leaves], atol=1e-6)
     thinnest = 1e-5 * np.ptp(skeleton.points, axis=0).max()
     assert np.all(rings.radius[first[1:]] <= np.maximum(skeleton.radius[leaves], thinnest) * (1 + 1e-6))
+    points = skeleton.points.astype(float)
+    start, end = points[skeleton.parent[1:]], points[1:]
+    way = end - start
+    for base, node in zip(rings.center[first[1:]], leaves, strict=True):
+        share = np.sum((base - start) * way, axis=1) / np.maximum(np.sum(way**2, axis=1), 1e-30)
+        off = np.linalg.norm(start + np.clip(share, 0.0, 1.0)[:, None] * way - base, axis=1)
+        assert off.min() < 1e-5 * max(1.0, np.abs(points).max())
+        below = 1.7 * max(skeleton.radius[node], thinnest)
+        assert np.linalg.norm(base - points[node]) <= below
 
 
 def texel_sizes(mesh):
