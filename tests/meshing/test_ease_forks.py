@@ -45,8 +45,7 @@ def test_thin_and_short_branches_stay_as_they_are():
     before, after, bent = eased(thick=False)
     assert not bent.any()
     assert np.array_equal(before.center, after.center)
-    stub = LIMB[:2] * [0.1, 1.0, 1.0] - [0.0, 0.0, 0.0]
-    stub[1] = [0.1, 1.1, 0.0]
+    stub = np.array([[0.0, 1.0, 0.0], [0.1, 1.1, 0.0]])
     before, after, bent = eased(limb=stub)
     assert not bent.any()
     assert np.array_equal(before.center, after.center)
