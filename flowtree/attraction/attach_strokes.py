@@ -10,10 +10,12 @@ from scipy.spatial import cKDTree
 from skimage.graph import MCP_Geometric
 
 from flowtree.attraction.growing_tree import GrowingTree
-from flowtree.geometry.polylines import drop_repeats, subdivide_polyline
+from flowtree.geometry.polylines import arc_lengths, drop_repeats, subdivide_polyline
 
 _TOUCH = 0.012  # of the height: strokes nearer than this touch
 _SPACING = 0.0075  # of the height: nodes along a stroke
+_LEAST_SPACING = 0.75  # cells
+_MOST_NODES = 2000  # of a stroke, besides those drawn
 _SEARCHES = 16  # Dijkstra searches at most, however many strokes there are
 _ALONG = 0.3  # what a step along the tree costs of a step beside it
 _UPPER = 0.8  # an upper end is the branch's base only if it is this much cheaper to reach than the lower one
@@ -36,7 +38,7 @@ def attach_strokes(
         strokes: polylines (k, 2) [cells].
         tall: the tree's height [cells].
     """
-    waiting = [subdivide_polyline(drop_repeats(stroke), _SPACING * tall) for stroke in strokes]
+    waiting = [_subdivide(drop_repeats(stroke), _SPACING * tall) for stroke in strokes]
     together = max(1, -(-len(waiting) // _SEARCHES))
     while waiting:
         waiting = _attach_touching(tree, waiting, _TOUCH * tall)
@@ -52,6 +54,12 @@ def attach_strokes(
             node = tree.add_path(search.traceback(tree.cell_of(waiting[k][0]))[:-1])
             tree.add_line(node, waiting[k])
         waiting = [stroke for k, stroke in enumerate(waiting) if k not in chosen]
+
+
+def _subdivide(stroke: _Array, spacing: float) -> _Array:
+    """The stroke with nodes near enough for others to touch it, but a bounded number where it goes far."""
+    length = float(arc_lengths(stroke)[-1])
+    return subdivide_polyline(stroke, max(spacing, _LEAST_SPACING, length / _MOST_NODES))
 
 
 def _attach_touching(tree: GrowingTree, waiting: list[_Array], touch: float) -> list[_Array]:

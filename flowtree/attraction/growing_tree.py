@@ -50,7 +50,8 @@ class GrowingTree:
         for point in line:
             before = self.points[node]
             node = self.add(node, point, drawn=True)
-            for between in subdivide_polyline(np.stack([before, point]), 0.7)[1:-1]:
+            inside = np.clip(np.stack([before, point]), 0.0, np.array(self.node_at.shape)[::-1])
+            for between in subdivide_polyline(inside, 0.7)[1:-1]:
                 self._mark(between, node)
         return node
 

@@ -13,6 +13,7 @@ from flowtree.geometry.polylines import arc_lengths, resample_polyline, smooth_p
 
 _SMOOTH = 0.018  # of the height: sigma of the smoothing along a branch
 _SPACING = 0.015  # of the height: distance of the nodes
+_LEAST_SPACING = 0.5  # cells: below that there is nothing to sample
 _WIDEST = 58.0  # [degrees] at a fork; wider ones are bent
 _BENT_TO = 45.0  # [degrees]
 _KINK = 0.025  # of the height: a fork's angle is also taken this near to it
@@ -54,7 +55,7 @@ def shape_branches(tree: GrowingTree, tall: float, lowest: int = 0) -> tuple[NDA
             _relax_fork(branch, branches[branch.carrier], position, drawn, tall, lowest)
         for place, node in enumerate(branch.nodes[1:], 1):
             on_carrier[node] = (number, place)
-    return _assemble(branches, position, drawn, _SPACING * tall)
+    return _assemble(branches, position, drawn, max(_SPACING * tall, _LEAST_SPACING))
 
 
 def _split(parent: NDArray[np.int64], position: _Array) -> list[_Branch]:
@@ -166,7 +167,10 @@ def _assemble(
         stops = [k for k, node in enumerate(nodes) if k in (0, last) or node in forks or drawn[node]]
         at = new[nodes[0]]
         for start, end in itertools.pairwise(stops):
-            for point in resample_polyline(position[nodes[start : end + 1]], spacing)[1:]:
+            run = position[nodes[start : end + 1]]
+            # Drawn nodes lie as densely as they should: nothing is to be resampled between neighbours.
+            near = len(run) == 2 and float(np.hypot(*(run[1] - run[0]))) <= spacing
+            for point in run[1:] if near else resample_polyline(run, spacing)[1:]:
                 parent.append(at)
                 points.append(point)
                 at = len(points) - 1

@@ -107,6 +107,8 @@ def trace_attractor_graph(
             merging=params.merging,
             shortest=shortest,
         )
+    if len(tree.parent) == 1:  # a tree of so few pixels that no path is long enough: a stem without branches
+        tree.add(0, foot - [0.0, grid.tall], drawn=False)
     parent, points = shape_branches(tree, grid.tall, lowest=int(tree.node_at[goal]))
     plane = pixels_to_plane(grid.to_pixels(points), camera).astype(np.float32)
     plane[0] = 0.0  # exactly: rounding is no part of the foot
