@@ -165,7 +165,7 @@ def _beside_trunk(trunk: Trunk, tree: NDArray[np.float32], crown: Crown) -> NDAr
     # Above, the crown opens like a bowl: hedges are level with its rim, not below it.
     aside = np.abs(columns - trunk.centre[begin[0]])
     below_rim = aside > 0.25 * crown.width + 1.5 * np.maximum(first - rows, 0)
-    against[below_rim & (rows < first) & (rows > crown.horizon[None, :])] -= 2.0
+    against[below_rim & (rows < first) & (rows > crown.horizon[None, :])] -= 4.0
     for row, x, half in zip(trunk.rows, trunk.centre, trunk.half, strict=True):
         against[row, max(0, x - half) : x + half + 1] = 0.0
     return against
@@ -177,7 +177,7 @@ def _split(
     """Alpha and confidence from the labels and, where sky is near, from the colours of tree and sky."""
     likely = tree > 0.5
     # Where no sky shines through, a pixel is tree or is not; doubts are those of the label, not a density.
-    alpha = np.clip((tree - 0.3) / 0.4, 0.0, 1.0)
+    alpha = np.clip((tree - 0.4) / 0.4, 0.0, 1.0)
     near_sky = np.zeros_like(likely)
     if sky.colors is not None:
         solid = (likely & (sky.distance > 8.0)).astype(np.float32)

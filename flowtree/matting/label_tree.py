@@ -122,14 +122,14 @@ def _keep_connected(probability: NDArray[np.float32], core: NDArray[np.bool_]) -
 def _close_holes(probability: NDArray[np.float32], hidden: NDArray[np.bool_]) -> NDArray[np.float32]:
     """Fills small holes where no sky lies behind: there they are shadows, not gaps.
 
-    A hole of less than a hundredth of the tree counts as small.
+    A hole of less than three hundredths of the tree counts as small.
     """
     likely = probability > 0.5
     holes = ~likely & hidden
     count, parts, boxes, _ = cv2.connectedComponentsWithStats(holes.astype(np.uint8), connectivity=4)
     edge = cv2.dilate((~likely & ~hidden).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
     edge[[0, -1]] = edge[:, [0, -1]] = True
-    small = boxes[:, cv2.CC_STAT_AREA] < 0.01 * likely.sum()
+    small = boxes[:, cv2.CC_STAT_AREA] < 0.03 * likely.sum()
     small[np.unique(parts[edge])] = False
     small[0] = False
     filled: NDArray[np.float32] = np.where(small[parts], np.float32(0.9), probability)
