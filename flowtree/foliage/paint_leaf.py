@@ -65,14 +65,14 @@ def _frond(canvas: LeafCanvas, rng: np.random.Generator) -> None:
         for side in (-1.0, 1.0):
             lean = (1.15 - 0.75 * place) * rng.uniform(0.93, 1.07)
             swell = np.sin(np.pi * (0.18 + 0.74 * place)) ** 0.8
-            length = 0.40 * swell * rng.uniform(0.92, 1.05)
+            length = 0.30 * swell * rng.uniform(0.92, 1.05)
             length = min(length, (rng.uniform(0.93, 0.995) - 0.88 * place) / max(np.cos(lean), 0.2))
             shade = rng.uniform(0.85, 1.12)
             canvas.blade(
                 (0.0, 0.88 * float(place)),
                 side * lean,
                 length,
-                slender=0.042,
+                slender=0.052,
                 widest=0.4,
                 veins=0,
                 tint=(shade, shade, shade),
@@ -128,7 +128,7 @@ _HABITS = {
     "broad": _Habit(0.68, _broad),
     "lanceolate": _Habit(0.28, _lanceolate),
     "needle": _Habit(0.52, _needle),
-    "frond": _Habit(0.72, _frond),
+    "frond": _Habit(0.54, _frond),
     "compound": _Habit(0.72, _compound),
     "blossom": _Habit(0.88, _blossom),
 }
