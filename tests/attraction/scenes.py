@@ -58,6 +58,7 @@ def bare(height=240, width=200):
 def assert_tree(graph):
     """What every attractor graph must be: rooted at the foot, finite, each parent before its child."""
     count = len(graph.parent)
+    assert count > 1
     assert graph.parent.dtype == np.int32
     assert graph.points.dtype == np.float32
     assert graph.points.shape == (count, 2)
