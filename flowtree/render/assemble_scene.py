@@ -92,6 +92,13 @@ def assemble_scene(tree: TreeModel) -> Scene:
     )
 
 
+def corner_points(scene: Scene) -> NDArray[np.float32]:
+    """The vertices (3, n) [m] that belong to a triangle, without the others that a file may hold."""
+    used = np.zeros(scene.positions.shape[1], bool)
+    used[scene.triangles] = True
+    return scene.positions[:, used]
+
+
 def _place_leaves(leaves: Foliage) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Positions and normals (3, count * corners) of all leaves' vertices.
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from flowtree import check
 from flowtree.geometry.projection import to_plane
 from flowtree.model.camera import Camera
 from flowtree.model.tree import TreeModel
-from flowtree.render.assemble_scene import assemble_scene
+from flowtree.render.assemble_scene import assemble_scene, corner_points
 
 _MARGIN = 0.05  # of the picture, kept free on every side
 
@@ -24,8 +22,7 @@ def fit_camera(tree: TreeModel, yaw: float, size: int) -> Camera:
     Raises:
         InputError: the tree has neither a triangle nor a leaf.
     """
-    scene = assemble_scene(tree)
-    corners = scene.positions[:, np.unique(scene.triangles)].T
+    corners = corner_points(assemble_scene(tree)).T
     check.require(
         len(corners) > 0, "tree", "needs a triangle or a leaf", "neither", "mesh the skeleton first"
     )

@@ -59,7 +59,7 @@ def render_scene(
         if not len(scene.triangles):
             break
         if lighting is None:
-            lighting = light_scene(scene, sky, sun, finest=camera.metres_per_pixel / 2, device=device)
+            lighting = light_scene(scene, sky, sun, finest=camera.metres_per_pixel, device=device)
         hits = cast_scene(scene, view, device=device)
         ray, color = shade_hits(scene, view, hits, lighting, params)
         row, column = np.divmod(ray, hits.hit.shape[1])

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree.params import RenderParams
-from flowtree.render.assemble_scene import Scene
+from flowtree.render.assemble_scene import Scene, corner_points
 from flowtree.render.cast_scene import ParallelView, RayHits, cast_scene
 from flowtree.render.sample_texture import build_pyramid, sample_texture
 
@@ -60,9 +60,7 @@ def light_scene(
     length = float(np.linalg.norm(right))
     right = right / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
     axes = np.stack([right, np.cross(toward_sun, right), toward_sun])
-    used = np.zeros(scene.positions.shape[1], bool)
-    used[scene.triangles] = True
-    points = scene.positions[:, used]
+    points = corner_points(scene)
     flat = np.stack([(axis.astype(np.float32)[:, None] * points).sum(axis=0) for axis in axes[:2]])
     low, high = flat.min(axis=1), flat.max(axis=1)
     scale = max(finest, float((high - low).max()) / _SHADOW_SIZE, 1e-6)
