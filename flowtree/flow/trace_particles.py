@@ -33,7 +33,7 @@ _BASIN = 0.05  # of the height: nearer than this the foot alone attracts
 _TIME_POINTS = 14  # points along the height of the grid of free-flow times
 _BLOCK = 8  # steps between two looks at who is still on the way
 _LONGEST = 8.0  # tree heights of way after which the rest is taken as lost
-_SPLIT_FROM = 512  # from how many particles on a second core pays: following a field is much work for each
+_SPLIT_FROM = 512  # starts from which a second core pays: following a field to the foot is much work for each
 
 
 def trace_particles(
@@ -221,9 +221,7 @@ class _Flow:
         inputs = [b.position, b.velocity[1], b.mass[0], b.state[1], b.nearest, self.start_time]
         inputs += [self.fields, forces, self.times, front, length, self._arrival(), number]
         outputs = [self.block[row + 1], b.velocity[0], b.state[0], self.begin_step, self.end_step]
-        device.launch(
-            advance_particles, self.count, inputs, outputs, device=self.where, split_from=_SPLIT_FROM
-        )
+        device.launch(advance_particles, self.count, inputs, outputs, device=self.where)
 
     def _arrival(self) -> float:
         """Closer to the foot than this has arrived [m]; a step must not leap over it."""
