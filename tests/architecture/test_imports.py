@@ -45,7 +45,7 @@ LIBRARIES = {
     "pydantic": {"params", "configuration", "pipeline"},
     "typer": {"cli"},
     "rich": {"cli"},
-    "PIL": {"photos", "render", "meshing", "foliage", "export"},
+    "PIL": {"photos", "attraction", "render", "meshing", "foliage", "export"},
     "cv2": {
         "photos",
         "matting",
