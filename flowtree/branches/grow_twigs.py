@@ -15,7 +15,7 @@ from flowtree.geometry.frames import side_axes, unit
 from flowtree.geometry.match_depths import draw_shares, match_depths
 from flowtree.geometry.morton import morton_order
 from flowtree.geometry.parent_array import parents_first, sum_before
-from flowtree.geometry.plane_grid import PlaneGrid, seen_depth
+from flowtree.geometry.plane_grid import PlaneGrid, narrow_rows, seen_depth
 from flowtree.geometry.segment_depth import rods_depth, segment_depth
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
@@ -24,7 +24,9 @@ from flowtree.model.volume import DensityVolume
 from flowtree.params import TwigParams
 
 _SHAPES = 16  # different twigs; more would not be told apart
-_DENSEST = 1.2  # optical depth that twigs alone can have
+_STEM = 3.0  # rows no wider than this many radii of the trunk show the stem alone: no twig grows there
+_DENSEST = 2.5  # optical depth that twigs alone can have
+_FULL = 0.25  # depth over the whole view, in squared heights, of a crown that is given all twigs
 _CELLS = 64  # along the height, of the grids on which the twigs are chosen
 
 
@@ -60,8 +62,9 @@ def grow_twigs(
     height = volume.voxel * volume.density.shape[1]
     random = np.random.default_rng(seed)
     side_twigs = 0 if leafy else params.side_twigs
+    length = height * (params.length if leafy else params.bare_length)
     shapes = shape_twigs(_SHAPES, side_twigs=side_twigs, angle=params.angle, curl=params.curl, random=random)
-    twigs = _find_places(skeleton, shapes, params, height, random)
+    twigs = _find_places(skeleton, shapes, params, height, length, random)
     twigs = twigs.take(_inside(twigs.points[:, 2], volume))
     if not len(twigs.node):
         return skeleton
@@ -70,9 +73,13 @@ def grow_twigs(
         grid, wanted = seen_depth(matte.alpha, camera, cell=height / _CELLS)
         wood = rods_depth(grid, skeleton.parent, skeleton.points, skeleton.radius)
         # Twigs are lace: what is denser than this is limbs, and no number of twigs makes a limb.
-        targets.append(np.maximum(np.minimum(wanted, _DENSEST) - wood, 0.0))
+        room = np.maximum(np.minimum(wanted, _DENSEST) - wood, 0.0)
+        stem = narrow_rows(grid, wanted, _STEM * float(skeleton.radius[0]))
+        targets.append(np.where(stem, 0.0, room))
         matrices.append(_twig_depth(grid, skeleton, shapes, twigs))
-    start = np.full(len(twigs.node), min(params.most / len(twigs.node), 1.0))
+    crown = float(np.mean([t.sum() for t in targets])) / _CELLS**2  # of a full one about the height squared
+    aim = params.most * min(crown / _FULL, 1.0)
+    start = np.full(len(twigs.node), min(aim / len(twigs.node), 1.0))
     offered = sum(float((m @ start).sum()) for m in matrices)
     missing = sum(float(t.sum()) for t in targets) / max(offered, 1e-9)
     if leafy:  # a twig stands for the leaves on it: as many as aimed at make up for all leaves
@@ -107,7 +114,12 @@ class _Twigs:
 
 
 def _find_places(
-    skeleton: Skeleton, shapes: TwigShapes, params: TwigParams, height: float, random: np.random.Generator
+    skeleton: Skeleton,
+    shapes: TwigShapes,
+    params: TwigParams,
+    height: float,
+    mean_length: float,
+    random: np.random.Generator,
 ) -> _Twigs:
     """All twigs on branches thin enough to bear them, in phyllotactic order along each branch."""
     parent = skeleton.parent
@@ -125,7 +137,7 @@ def _find_places(
     along = np.cos(lean) * axis + np.sin(lean) * (np.cos(turn) * first + np.sin(turn) * second)
     along = unit(along * np.array([1.0, 1.0 - params.plagiotropism, 1.0]))
     over, aside = side_axes(along)
-    length = height * params.length * random.uniform(0.55, 1.3, len(node))
+    length = mean_length * random.uniform(0.55, 1.3, len(node))
     shape = shapes.points[random.integers(0, _SHAPES, len(node))] * length[:, None, None]
     points = shape @ np.stack([-aside, along, over], axis=1)
     points[..., 1] -= (1.0 - params.rigidity) * shape[..., 1] ** 2 / length[:, None]

@@ -46,14 +46,17 @@ def relax_forks(
         starts = starts[order[parent[starts]] < level]
         if not len(starts):
             break
+        by_parent = np.argsort(parent, kind="stable")
+        bounds = np.searchsorted(parent[by_parent], np.arange(len(parent) + 1))
         for path, limb in _partings(parent, points, ahead, starts, least_cosine):
-            _attach_at(parent, own, gone, path, limb, ahead)
+            children = [by_parent[bounds[node] : bounds[node + 1]] for node in path[:-1]]
+            _attach_at(parent, own, gone, path, limb, np.concatenate(children))
         level += 1
     kept = ~gone
     index = np.cumsum(kept) - 1
     above = parent[kept]
-    order, sorted_parent = parents_first(np.where(above >= 0, index[above], -1))
-    return sorted_parent, points[kept][order], own[kept][order]
+    place, sorted_parent = parents_first(np.where(above >= 0, index[above], -1))
+    return sorted_parent, points[kept][place], own[kept][place]
 
 
 def _partings(
@@ -96,11 +99,10 @@ def _attach_at(
     gone: NDArray[np.bool_],
     path: list[int],
     limb: list[int],
-    ahead: NDArray[np.int64],
+    children: NDArray[np.int64],
 ) -> None:
-    """Attaches the last node of a path to the limb and drops those before it."""
+    """Attaches the last node of a path to the limb, and drops those before it, whose children are given."""
     beside = dict(zip(path[:-1], limb[1:], strict=True))
-    children = np.flatnonzero(np.isin(parent, path[:-1]))
     for child in children.tolist():
         if child not in beside and child != path[-1]:
             parent[child] = beside[int(parent[child])]

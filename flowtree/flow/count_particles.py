@@ -6,7 +6,7 @@ import numpy as np
 
 from flowtree.model.volume import DensityVolume
 
-_FEWEST, _MOST = 300, 2000  # the paper: 500 to 1000 for trees of medium size, up to 2000 for large ones
+_FEWEST, _MOST = 200, 2000  # the paper: 500 to 2000, and trees are sparser than those
 _PER_DEPTH = 4000.0  # particles for a crown whose optical depth, over all of a view, is the height squared
 
 

@@ -16,7 +16,7 @@ from flowtree.geometry.frames import quaternions, side_axes, unit
 from flowtree.geometry.match_depths import draw_shares, match_depths
 from flowtree.geometry.morton import morton_order
 from flowtree.geometry.parent_array import sum_before
-from flowtree.geometry.plane_grid import PlaneGrid, seen_depth, splat_matrix
+from flowtree.geometry.plane_grid import PlaneGrid, narrow_rows, seen_depth, splat_matrix
 from flowtree.geometry.projection import view_axes
 from flowtree.geometry.segment_depth import rods_depth
 from flowtree.model.camera import Camera
@@ -28,6 +28,7 @@ from flowtree.params import LeafParams
 
 _CELLS = 80  # along the height, of the grids on which leaves are chosen: about a leaf wide
 _FACING = 0.5  # mean of |cosine| between random leaves and a view
+_STEM = 3.0  # rows no wider than this many radii of the trunk show the stem alone
 _SPARSE = 0.02  # alpha of a cell below which no leaf may project there
 
 
@@ -69,13 +70,10 @@ def place_leaves(
     grids, targets = [], []
     for matte, camera in zip(mattes, cameras, strict=True):
         grid, seen = seen_depth(matte.alpha, camera, cell=height / _CELLS)
-        room = np.where(
-            seen < _SPARSE,
-            0.0,
-            seen * params.amount - rods_depth(grid, skeleton.parent, skeleton.points, skeleton.radius),
-        )
+        wood = rods_depth(grid, skeleton.parent, skeleton.points, skeleton.radius)
+        bare = (seen < _SPARSE) | narrow_rows(grid, seen, _STEM * float(skeleton.radius[0]))
         grids.append(grid)
-        targets.append(np.maximum(room, 0.0))
+        targets.append(np.where(bare, 0.0, np.maximum(seen * params.amount - wood, 0.0)))
     area = float(np.mean([t.sum() for t in targets])) * grids[0].cell ** 2 / _FACING
     if area < coverage * (0.25 * params.size * height) ** 2:
         return None

@@ -83,3 +83,12 @@ def splat_matrix(
         weights.append((share * areas)[inside] / grid.cell**2)
     triple = (np.concatenate(weights), (np.concatenate(cells), np.concatenate(columns)))
     return sparse.csr_array(triple, shape=(grid.columns * grid.rows, count))
+
+
+def narrow_rows(grid: PlaneGrid, depth: NDArray[np.float64], width: float) -> NDArray[np.bool_]:
+    """Cells (columns * rows,) of the rows from height 0 up to the first that holds more than ``width`` [m]."""
+    held = -np.expm1(-depth.reshape(grid.columns, grid.rows)).sum(axis=0) * grid.cell
+    ground = max(0, round(-grid.bottom / grid.cell))
+    wide = np.flatnonzero(held[ground:] > width)
+    narrow = np.arange(grid.rows) < ground + (wide[0] if len(wide) else grid.rows)
+    return np.tile(narrow, grid.columns)
