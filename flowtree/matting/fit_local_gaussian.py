@@ -31,11 +31,32 @@ class LocalGaussian:
         return self.covariance + np.float32(floor**2) * np.eye(3, dtype=np.float32)
 
     def distance(self, lab: NDArray[np.float32], floor: float) -> NDArray[np.float32]:
-        """Mahalanobis distances (h, w) of the pixels (h, w, 3), never below 0."""
+        """Mahalanobis distances (h, w) of the pixels (h, w, 3)."""
+        xx, yx, zx, yy, zy, zz = self._cholesky(floor)
         away = lab - self.mean
-        solved = np.linalg.solve(self.floored(floor), away[..., None])[..., 0]
-        distance: NDArray[np.float32] = np.sqrt(np.maximum((away * solved).sum(axis=-1), 0.0))
+        first = away[..., 0] / xx
+        second = (away[..., 1] - yx * first) / yy
+        third = (away[..., 2] - zx * first - zy * second) / zz
+        distance: NDArray[np.float32] = np.sqrt(first**2 + second**2 + third**2)
         return distance
+
+    def log_determinant(self, floor: float) -> NDArray[np.float32]:
+        """Logarithm of the covariance's determinant (h, w)."""
+        xx, _, _, yy, _, zz = self._cholesky(floor)
+        logarithm: NDArray[np.float32] = 2.0 * np.log(xx * yy * zz)
+        return logarithm
+
+    def _cholesky(self, floor: float) -> tuple[NDArray[np.float32], ...]:
+        """The lower triangle of the floored covariance's root; written out it is faster than LAPACK."""
+        noise = np.float32(floor**2)
+        cov = self.covariance
+        xx = np.sqrt(np.maximum(cov[..., 0, 0] + noise, noise))
+        yx, zx = cov[..., 1, 0] / xx, cov[..., 2, 0] / xx
+        # Rounding must not take the root of less than the noise.
+        yy = np.sqrt(np.maximum(cov[..., 1, 1] + noise - yx**2, noise))
+        zy = (cov[..., 2, 1] - zx * yx) / yy
+        zz = np.sqrt(np.maximum(cov[..., 2, 2] + noise - zx**2 - zy**2, noise))
+        return xx, yx, zx, yy, zy, zz
 
 
 def fit_local_gaussian(lab: NDArray[np.float32], weight: NDArray[np.float32]) -> LocalGaussian:

@@ -96,7 +96,7 @@ def _colour_ratio(
     likelihood = []
     for weight in (tree, rest):
         near = fit_local_gaussian(lab, weight.astype(np.float32))
-        spread = np.log(np.linalg.det(near.floored(_NOISE)))
+        spread = near.log_determinant(_NOISE)
         likelihood.append(-0.5 * (near.distance(lab, _NOISE) ** 2 + spread))
     total: NDArray[np.float64] = ratio + 0.5 * np.clip(likelihood[0] - likelihood[1], -4.0, 4.0)
     return total
