@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import Annotated
 
@@ -9,6 +10,7 @@ import typer
 
 from flowtree.cli.outputs import check_folder
 from flowtree.cli.progress import show_progress
+from flowtree.cli.reconstruct import print_result
 
 _PAIR = ("photo_0.jpg", "photo_1.jpg")
 _HEIGHT = 11.0  # [m], of the tree in the pictures
@@ -20,11 +22,8 @@ def demo(
     ),
 ) -> None:
     """Make a tree from two bundled pictures: tree.glb, preview.png and report.json."""
-    from flowtree.cli.reconstruct import print_result
-
+    start = time.perf_counter()
     with show_progress() as progress:
-        import time
-
         from flowtree.errors import OutputError
         from flowtree.export.export_tree import export_tree
         from flowtree.files import write_whole
@@ -34,7 +33,6 @@ def demo(
         from flowtree.render.render_view import render_view
         from flowtree.render.write_picture import write_picture
 
-        start = time.perf_counter()
         try:
             output.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -48,7 +46,8 @@ def demo(
         camera = fit_camera(result.tree, 0.0, 768)
         write_picture(render_view(result.tree, camera), preview)
         write_whole(report, report_bytes(result.report))
-        took = time.perf_counter() - start
     typer.echo(f"Two pictures of a tree, from {' and '.join(str(picture) for picture in pictures)}")
     print_result(result.report, tree)
-    typer.echo(f"{preview}: the tree from the front\n{report}: what was measured\nin {took:.1f} s")
+    typer.echo(f"{preview}: the tree from the front")
+    typer.echo(f"{report}: what was measured")
+    typer.echo(f"in {time.perf_counter() - start:.1f} s")
