@@ -19,7 +19,7 @@ STAGES: tuple[Stage, ...] = (
         outputs=("raw_photo",),
         params=("photos",),
         each_view=True,
-        share=0.2,
+        share=0.1,
     ),
     Stage(
         name="matting",
@@ -28,7 +28,7 @@ STAGES: tuple[Stage, ...] = (
         outputs=("raw_matte",),
         params=("photos", "matting"),
         each_view=True,
-        share=2.0,
+        share=3.5,
     ),
     Stage(
         name="painting",
@@ -37,7 +37,7 @@ STAGES: tuple[Stage, ...] = (
         outputs=("photos", "mattes", "edits", "strokes"),
         params=("photos",),
         each_view=True,
-        share=0.05,
+        share=0.02,
     ),
     Stage(
         name="framing",
@@ -45,7 +45,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("mattes", "yaw", "height"),
         outputs=("cameras",),
         each_view=True,
-        share=0.05,
+        share=0.02,
     ),
     Stage(
         name="density",
@@ -53,7 +53,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("mattes", "cameras"),
         outputs=("volume",),
         params=("density",),
-        share=1.0,
+        share=0.1,
     ),
     Stage(
         name="attraction",
@@ -63,7 +63,7 @@ STAGES: tuple[Stage, ...] = (
         params=("attraction",),
         each_view=True,
         seeded=True,
-        share=1.0,
+        share=0.6,
     ),
     Stage(
         name="fields",
@@ -72,7 +72,7 @@ STAGES: tuple[Stage, ...] = (
         outputs=("fields",),
         params=("field",),
         each_view=True,
-        share=0.1,
+        share=0.05,
     ),
     Stage(
         name="flow",
@@ -81,7 +81,7 @@ STAGES: tuple[Stage, ...] = (
         outputs=("traces",),
         params=("flow",),
         seeded=True,
-        share=1.0,
+        share=0.3,
     ),
     Stage(
         name="branches",
@@ -89,14 +89,14 @@ STAGES: tuple[Stage, ...] = (
         inputs=("traces", "mattes", "cameras"),
         outputs=("branches",),
         params=("branches", "thickness"),
-        share=0.2,
+        share=0.1,
     ),
     Stage(
         name="leafiness",
         run=steps.run_leafiness,
         inputs=("mattes", "cameras"),
         outputs=("leafy",),
-        share=0.05,
+        share=0.02,
     ),
     Stage(
         name="twigs",
@@ -105,7 +105,7 @@ STAGES: tuple[Stage, ...] = (
         outputs=("skeleton",),
         params=("twigs",),
         seeded=True,
-        share=0.5,
+        share=0.2,
     ),
     Stage(
         name="meshing",
@@ -113,7 +113,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("skeleton",),
         outputs=("wood",),
         params=("meshing",),
-        share=0.5,
+        share=0.2,
     ),
     Stage(
         name="bark",
@@ -122,7 +122,7 @@ STAGES: tuple[Stage, ...] = (
         outputs=("bark",),
         params=("meshing",),
         seeded=True,
-        share=0.3,
+        share=0.2,
     ),
     Stage(
         name="foliage",
@@ -131,7 +131,7 @@ STAGES: tuple[Stage, ...] = (
         outputs=("foliage",),
         params=("leaves",),
         seeded=True,
-        share=0.5,
+        share=0.4,
     ),
     Stage(
         name="assembly",
