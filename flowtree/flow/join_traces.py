@@ -9,6 +9,11 @@ from scipy.spatial import cKDTree
 from flowtree.geometry.parent_array import depths, parents_first, sum_to_root
 from flowtree.model.traces import FlowTraces
 
+_OUTSIDE = 2.0  # times the way to the limb's next place: who set off nearer started inside the limb
+_ENTRY = 0.643  # cosine of 50 degrees
+_PLACES = 24  # of a limb's places, how many may be passed before it is entered
+_FARTHEST = 2.5  # times the way to the limb's next place: no path is drawn out farther than this
+
 
 def join_traces(
     start: NDArray[np.float32],
@@ -22,6 +27,11 @@ def join_traces(
     last: int,
 ) -> FlowTraces:
     """Connects every particle's path to whom it joined, and all of them to the root at the foot.
+
+    A limb takes a particle in as soon as it comes within reach, often from beside or from ahead; drawn
+    straight to the limb's next place, forks would be square, or hooks. So a path that has come from farther
+    away than that enters the limb's at the first later place that lies within 50 degrees of where the limb
+    goes on. Who set off inside the limb goes to its next place.
 
     A particle that never arrived (``end_step`` -1, not joined) is connected, with everything that joined it,
     to the nearest point of a path that did: no input leaves a particle unconnected.
@@ -59,6 +69,9 @@ def join_traces(
     host = joined[goes_over]
     parent[tip[goes_over]] = origin[host] + end[goes_over] + 1
     parent[tip[~goes_over]] = 0  # who arrived is connected to the root
+    gap = np.linalg.norm(place[tip] - place[parent[tip]], axis=1)
+    guest = goes_over & (np.linalg.norm(place[tip] - start, axis=1) > _OUTSIDE * gap)
+    parent[tip[guest]] = _enter(parent, place, tip[guest])
     parent = _connect_lost(parent, place, tip[~goes_over & (end_step < 0)])
     own = np.zeros(len(parent), np.int32)
     own[origin + begin] = 1
@@ -69,6 +82,28 @@ def join_traces(
         particles=sum_to_root(sorted_parent, own[order]),
         step=recorded[order],
     )
+
+
+def _enter(
+    parent: NDArray[np.int64], points: NDArray[np.float32], tips: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Where each tip's path best enters the one that it joins: a node between its parent and the root."""
+    here, node = points[tips].astype(np.float64), parent[tips]
+    far = _FARTHEST * np.linalg.norm(points[node] - here, axis=1)
+    best, best_cosine = node.copy(), np.full(len(tips), -np.inf)
+    for _ in range(_PLACES):
+        way, onward = (
+            points[node] - here,
+            points[np.maximum(parent[node], 0)] - points[node].astype(np.float64),
+        )
+        length = np.linalg.norm(way, axis=1)
+        cosine = np.einsum("ij,ij->i", way, onward) / np.maximum(
+            length * np.linalg.norm(onward, axis=1), 1e-12
+        )
+        better = (best_cosine < _ENTRY) & (cosine > best_cosine) & (length <= far) & (parent[node] > 0)
+        best, best_cosine = np.where(better, node, best), np.where(better, cosine, best_cosine)
+        node = np.where(parent[node] > 0, parent[node], node)
+    return best
 
 
 def _connect_lost(
