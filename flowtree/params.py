@@ -105,15 +105,15 @@ class FlowParams(StageParams):
     step: float = _number(
         0.006, "length of a time step at unit speed", ge=0.0005, le=0.1, unit="tree heights"
     )
-    attraction: float = _number(0.6, "weight of the pull to the nearest neighbour", ge=0, le=20)
+    attraction: float = _number(1.0, "weight of the pull to the nearest neighbour", ge=0, le=20)
     attraction_radius: float = _number(
         0.08, "distance at which neighbours stop attracting", ge=0, le=1, unit="tree heights"
     )
     join_distance: float = _number(
-        0.008, "two single particles nearer than this join", gt=0, le=0.5, unit="tree heights"
+        0.012, "two single particles nearer than this join", gt=0, le=0.5, unit="tree heights"
     )
     join_growth: float = _number(
-        0.0006,
+        0.0009,
         "what the root of a pair's mass adds to the joining distance: limbs take in their neighbours",
         ge=0,
         le=0.1,
@@ -159,7 +159,7 @@ class BranchParams(StageParams):
     """From traces to branches."""
 
     stride: int = _number(3, "steps of the flow between two nodes of a branch", ge=1, le=50)
-    smoothing: int = _number(6, "rounds of smoothing; 0 leaves branches chiselled", ge=0, le=100)
+    smoothing: int = _number(10, "rounds of smoothing; 0 leaves branches chiselled", ge=0, le=100)
     least_angle: float = _number(
         28.0, "forks narrower than this are moved to where the branches part", ge=0, le=80, unit="degrees"
     )

@@ -8,13 +8,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from flowtree.foliage.bark_likeness import bark_likeness
 from flowtree.geometry.projection import project, view_axes
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 
 _BLUR = 0.004  # of the picture's height: about a leaf, so that one dark pixel between leaves does not count
-_STEM = 0.1  # of the height: the lowest part, where a tree shows its bark
-_OTHER = 25.0  # distance in CIELAB at which a colour is clearly another one
 _TEXTURE = 0.8  # brightness of a leaf texture's mean, which is multiplied with the colour
 
 
@@ -43,7 +42,7 @@ def color_leaves(
     nearness = np.empty((len(mattes), len(points)))
     for k, (matte, camera) in enumerate(zip(mattes, cameras, strict=True)):
         sigma = max(_BLUR * matte.alpha.shape[0], 0.5)
-        weight = matte.alpha * _unlike_bark(matte, camera) + 1e-4
+        weight = matte.alpha * (1.02 - bark_likeness(matte, camera)) + 1e-4
         linear = _to_linear(matte.foreground) * weight[..., None]
         soft = cv2.GaussianBlur(linear, (0, 0), sigma) / cv2.GaussianBlur(weight, (0, 0), sigma)[..., None]
         pixel = np.floor(project(points, camera)).astype(int)
@@ -55,19 +54,6 @@ def color_leaves(
     color = colors[np.argmax(nearness, axis=0), np.arange(len(points))]
     bright = np.random.default_rng(seed).normal(1.0, variation, (len(points), 1))
     return np.asarray(np.clip(color / _TEXTURE * np.clip(bright, 0.4, 1.8), 0.0, 1.0), np.float32)
-
-
-def _unlike_bark(matte: Matte, camera: Camera) -> NDArray[np.float32]:
-    """How far each pixel's colour is from the trunk's: 0.05 equal, 1 clearly another one."""
-    foot = int(np.clip(camera.foot[1], 1, matte.alpha.shape[0]))
-    rows = np.flatnonzero((matte.alpha[:foot] > 0.3).any(axis=1))
-    lab = cv2.cvtColor(matte.foreground.astype(np.float32) / 255, cv2.COLOR_RGB2LAB)
-    stem = slice(int(foot - _STEM * (foot - rows[0])), foot) if len(rows) else slice(0, foot)
-    solid = matte.alpha[stem] > 0.8
-    if not solid.any():
-        return np.ones(matte.alpha.shape, np.float32)
-    gap = np.linalg.norm(lab - np.median(lab[stem][solid], axis=0), axis=2)
-    return np.clip(gap / _OTHER, 0.05, 1.0).astype(np.float32)
 
 
 def _to_linear(rgb: NDArray[np.uint8]) -> NDArray[np.float32]:

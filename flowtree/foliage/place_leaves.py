@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
+from flowtree.foliage.bark_likeness import visible_limbs
 from flowtree.foliage.choose_leaf import choose_leaf
 from flowtree.foliage.color_leaves import color_leaves
 from flowtree.foliage.make_leaf import leaf_coverage, make_leaf
@@ -69,7 +70,8 @@ def place_leaves(
     coverage = leaf_coverage(leaf, material)
     grids, targets = [], []
     for matte, camera in zip(mattes, cameras, strict=True):
-        grid, seen = seen_depth(matte.alpha, camera, cell=height / _CELLS)
+        leafy = matte.alpha * (1.0 - visible_limbs(matte, camera))
+        grid, seen = seen_depth(leafy, camera, cell=height / _CELLS)
         wood = rods_depth(grid, skeleton.parent, skeleton.points, skeleton.radius)
         bare = (seen < _SPARSE) | narrow_rows(grid, seen, _STEM * float(skeleton.radius[0]))
         grids.append(grid)
