@@ -93,7 +93,13 @@ def _find_seeds(lab: NDArray[np.float32], texture: NDArray[np.float32]) -> NDArr
     keep &= (boxes[:, cv2.CC_STAT_TOP] < 0.55 * height) & (centres[:, 1] < 0.7 * height)
     keep[0] = False
     kept: NDArray[np.bool_] = keep[parts] if count > 1 else np.zeros_like(seeds)
-    return kept
+    # At dusk the sky is neither blue nor brighter than the leaves, but still smooth, wide and on top.
+    _, parts, boxes, _ = cv2.connectedComponentsWithStats(
+        ((texture < _SMOOTH) & ~plant).astype(np.uint8), connectivity=4
+    )
+    wide = (boxes[:, cv2.CC_STAT_AREA] >= 0.02 * seeds.size) & (boxes[:, cv2.CC_STAT_TOP] < 0.03 * height)
+    wide[0] = False
+    return kept | wide[parts]
 
 
 def _global_distance(lab: NDArray[np.float32], mask: NDArray[np.bool_]) -> NDArray[np.float32]:
