@@ -99,7 +99,8 @@ def _find_seeds(lab: NDArray[np.float32], texture: NDArray[np.float32]) -> NDArr
     )
     wide = (boxes[:, cv2.CC_STAT_AREA] >= 0.02 * seeds.size) & (boxes[:, cv2.CC_STAT_TOP] < 0.03 * height)
     wide[0] = False
-    return kept | wide[parts]
+    kept |= wide[parts]
+    return kept
 
 
 def _global_distance(lab: NDArray[np.float32], mask: NDArray[np.bool_]) -> NDArray[np.float32]:
