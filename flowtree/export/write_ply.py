@@ -11,8 +11,8 @@ from flowtree import __version__
 from flowtree.export.check_tree import check_tree
 from flowtree.export.mean_color import mean_color
 from flowtree.export.merge_leaves import merge_leaves
-from flowtree.export.to_srgb import to_srgb
 from flowtree.files import write_whole
+from flowtree.geometry.srgb import encode_srgb_bytes
 from flowtree.model.mesh import Material, TreeMesh
 from flowtree.model.tree import TreeModel
 
@@ -65,7 +65,7 @@ def _vertices(mesh: TreeMesh, material: Material) -> NDArray[np.void]:
         rows[axis] = mesh.positions[:, column]
         rows[f"n{axis}"] = mesh.normals[:, column]
     own = np.ones((len(rows), 3), np.float32) if mesh.colors is None else mesh.colors
-    colors = to_srgb(own * mean_color(material))
+    colors = encode_srgb_bytes(own * mean_color(material))
     for column, (name, _) in enumerate(_COLOR):
         rows[name] = colors[:, column]
     return rows

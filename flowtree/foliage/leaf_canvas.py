@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, gaussian_filter
 
+from flowtree.geometry.srgb import encode_srgb
+
 Floats = NDArray[np.float64]
 
 _FINER = 3  # samples along each side of a pixel while painting
@@ -169,9 +171,8 @@ def settle(color: Floats, cover: Floats, mean: Floats, cutoff: float) -> NDArray
     for _ in range(8):  # what is clipped at white is given back to the rest
         relative = np.clip(relative, 0.0, 1.0 / np.maximum(mean, 1e-6))
         relative /= np.maximum(relative[opaque].mean(axis=0), 1e-6)
-    linear = np.clip(relative * mean, 0.0, 1.0)
+    linear = relative * mean
     nearest = distance_transform_edt(cover < 0.5 * cutoff, return_distances=False, return_indices=True)
     linear = linear[nearest[0], nearest[1]]
-    srgb = np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1.0 / 2.4) - 0.055)
-    encoded: NDArray[np.uint8] = np.rint(255.0 * np.dstack([srgb, cover])).astype(np.uint8)
+    encoded: NDArray[np.uint8] = np.rint(255.0 * np.dstack([encode_srgb(linear), cover])).astype(np.uint8)
     return encoded

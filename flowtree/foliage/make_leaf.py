@@ -13,6 +13,7 @@ from flowtree import check
 from flowtree.foliage.leaf_canvas import Floats, settle
 from flowtree.foliage.load_leaf import load_leaf
 from flowtree.foliage.paint_leaf import LEAF_WIDTHS, paint_leaf
+from flowtree.geometry.srgb import LIGHT_OF_BYTE
 from flowtree.model.mesh import Material, TreeMesh
 
 _SIZE = 256  # height of a painted texture [pixels]
@@ -82,7 +83,7 @@ def make_leaf(
     else:
         given = load_leaf(picture)
         width = given.shape[1] / given.shape[0]
-        texture = settle(_to_linear(given[:, :, :3]), given[:, :, 3] / 255.0, mean, body.cutoff)
+        texture = settle(LIGHT_OF_BYTE[given[:, :, :3]], given[:, :, 3] / 255.0, mean, body.cutoff)
     material = Material(
         name=f"leaf_{shape}",
         base_color=texture,
@@ -190,9 +191,3 @@ def _trim(bands: int, width: float, there: NDArray[np.bool_]) -> tuple[Floats, F
             best = float(found.fun), along, np.asarray(found.x, np.float64)
     assert best is not None
     return best[1], best[2]
-
-
-def _to_linear(srgb: NDArray[np.uint8]) -> Floats:
-    level = srgb / 255.0
-    linear: Floats = np.where(level <= 0.04045, level / 12.92, ((level + 0.055) / 1.055) ** 2.4)
-    return linear

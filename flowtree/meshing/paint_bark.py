@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flowtree import check
+from flowtree.geometry.srgb import decode_srgb, encode_srgb_bytes
 from flowtree.meshing.bark_habits import Habit, furrowed, plated, ringed, smooth
 from flowtree.meshing.tile_noise import Floats
 from flowtree.model.mesh import Material
@@ -75,14 +76,13 @@ def pick_habit(color: NDArray[np.float64]) -> str:
 
 def _colored(relative: Floats, srgb: Floats) -> NDArray[np.uint8]:
     """(s, s, 3) sRGB whose linear mean is the colour's."""
-    target = _to_linear(srgb / 255.0)
+    target = decode_srgb(srgb / 255.0)
     relative = relative / relative.mean(axis=(0, 1))
     # White bark has no room above its mean: its pattern is flattened until nothing would be clipped.
     highest = np.quantile(relative, 0.999, axis=(0, 1))
     room = (1.0 / np.maximum(target, 1e-6) - 1.0) / np.maximum(highest - 1.0, 1e-6)
-    linear = np.clip(target * (1.0 + (relative - 1.0) * np.minimum(room.min(), 1.0)), 0.0, 1.0)
-    encoded: NDArray[np.uint8] = np.rint(255.0 * _to_srgb(linear)).astype(np.uint8)
-    return encoded
+    linear = target * (1.0 + (relative - 1.0) * np.minimum(room.min(), 1.0))
+    return encode_srgb_bytes(linear)
 
 
 def _normal_map(height: Floats) -> NDArray[np.uint8]:
@@ -94,13 +94,3 @@ def _normal_map(height: Floats) -> NDArray[np.uint8]:
     normal /= np.linalg.norm(normal, axis=2, keepdims=True)
     encoded: NDArray[np.uint8] = np.rint(127.5 * (normal + 1.0)).astype(np.uint8)
     return encoded
-
-
-def _to_linear(srgb: Floats) -> Floats:
-    linear: Floats = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-    return linear
-
-
-def _to_srgb(linear: Floats) -> Floats:
-    srgb: Floats = np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1.0 / 2.4) - 0.055)
-    return srgb

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree.geometry.projection import view_axes
+from flowtree.geometry.srgb import encode_srgb
 from flowtree.model.camera import Camera
 from flowtree.model.tree import TreeModel
 from flowtree.params import RenderParams
@@ -13,7 +14,6 @@ from flowtree.render.assemble_scene import Scene, assemble_scene
 from flowtree.render.camera_bands import camera_bands
 from flowtree.render.cast_scene import cast_scene
 from flowtree.render.gather_sky_light import gather_sky_light
-from flowtree.render.sample_texture import encode_srgb
 from flowtree.render.shade_hits import light_scene, shade_hits
 
 
@@ -67,7 +67,7 @@ def render_scene(
         size = view.width * view.height
         count = np.bincount(pixel, minlength=size)
         total = np.stack([np.bincount(pixel, part, minlength=size) for part in color.T], axis=1)
-        mean = encode_srgb((total / np.maximum(count, 1)[:, None]).astype(np.float32))
+        mean = encode_srgb(total / np.maximum(count, 1)[:, None])
         shaded = np.concatenate([mean, (count / samples**2)[:, None]], axis=1)
         picture[rows] = np.rint(255.0 * shaded).astype(np.uint8).reshape(view.height, view.width, 4)
     return picture

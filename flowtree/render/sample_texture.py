@@ -5,6 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from flowtree.geometry.srgb import LIGHT_OF_BYTE
+
+_LIGHT = LIGHT_OF_BYTE.astype(np.float32)
+
 
 def build_pyramid(texture: NDArray[np.uint8]) -> list[NDArray[np.float32]]:
     """The texture in linear light, halved again and again; a fourth channel weighs the others.
@@ -18,7 +22,7 @@ def build_pyramid(texture: NDArray[np.uint8]) -> list[NDArray[np.float32]]:
         texture[:, :, 3:].astype(np.float32) if texture.shape[2] == 4 else np.ones((*texture.shape[:2], 1))
     )
     weight = weight.astype(np.float32) + np.float32(1e-3)
-    color = _SRGB_TO_LINEAR[texture[:, :, :3]] * weight
+    color = _LIGHT[texture[:, :, :3]] * weight
     levels = [color / weight]
     while max(color.shape[:2]) > 1:
         color, weight = _halve(color), _halve(weight)
@@ -53,24 +57,9 @@ def sample_texture(
     return colors
 
 
-def encode_srgb(linear: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Linear light in 0..1 as sRGB in 0..1."""
-    clipped = np.clip(linear, 0, 1).astype(np.float64)
-    curve = np.where(clipped <= 0.0031308, 12.92 * clipped, 1.055 * clipped ** (1 / 2.4) - 0.055)
-    return curve.astype(np.float32)
-
-
 def _halve(picture: NDArray[np.float32]) -> NDArray[np.float32]:
     """The means of two by two texels; a last odd row or column is repeated."""
     odd = [(0, side % 2) for side in picture.shape[:2]]
     even = np.pad(picture, [*odd, (0, 0)], "edge")
     four = even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2]
     return np.asarray(four / np.float32(4), np.float32)
-
-
-def _srgb_table() -> NDArray[np.float32]:
-    value = np.arange(256) / 255.0
-    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4).astype(np.float32)
-
-
-_SRGB_TO_LINEAR = _srgb_table()
