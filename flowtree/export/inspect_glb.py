@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree.export.decode_texture import texture_size
-from flowtree.export.is_closed import is_closed
 from flowtree.export.parse_glb import GlbFile, parse_glb, refuse_malformed
+from flowtree.geometry.closed_surfaces import is_closed, weld
 
 _TRIANGLES = 4
 # Lengths between which something is a tree [m].
@@ -53,7 +53,7 @@ def _inspect(file: GlbFile) -> dict[str, Any]:
             placed = positions @ matrix[:3, :3].T + matrix[:3, 3]
             corners += [placed.min(axis=0), placed.max(axis=0)]
         if name.endswith("_wood"):
-            watertight = watertight is not False and all(is_closed(*surface) for surface in surfaces)
+            watertight = watertight is not False and all(is_closed(weld(*surface)) for surface in surfaces)
     bounds = None
     if corners:
         low, high = np.min(corners, axis=0), np.max(corners, axis=0)

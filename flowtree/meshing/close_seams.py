@@ -43,21 +43,6 @@ def close_seams(mesh: TreeMesh) -> tuple[NDArray[np.float32], NDArray[np.int32]]
     return mesh.positions[first[kept]], joined[label][mesh.triangles].astype(np.int32)
 
 
-def is_watertight(triangles: NDArray[np.int32]) -> bool:
-    """Whether every edge is used exactly twice, once in each direction, and no triangle has lost a corner.
-
-    Args:
-        triangles: (m, 3), from `close_seams`.
-    """
-    flat = triangles.astype(np.int64)
-    if len(flat) == 0 or np.any(flat == np.roll(flat, 1, axis=1)):
-        return False
-    start, end = flat.ravel(), np.roll(flat, -1, axis=1).ravel()
-    base = int(flat.max()) + 1
-    forward, count = np.unique(start * base + end, return_counts=True)
-    return bool(np.all(count == 1)) and np.array_equal(forward, np.sort(end * base + start))
-
-
 def _merge(positions: NDArray[np.float32], group: Ints) -> tuple[Ints, Ints]:
     """Numbers vertices (n,), alike for equal positions of one group; and names one vertex a number."""
     order = np.lexsort((*positions.T, group))

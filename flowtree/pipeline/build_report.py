@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from flowtree import __version__
-from flowtree.meshing.close_seams import close_seams, is_watertight
+from flowtree.geometry.closed_surfaces import is_watertight
+from flowtree.meshing.close_seams import close_seams
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 from flowtree.model.photo import Photo

@@ -18,7 +18,6 @@ from flowtree.errors import InputError
 from flowtree.export.export_skeleton import export_skeleton
 from flowtree.export.export_tree import export_tree
 from flowtree.export.inspect_file import inspect_file
-from flowtree.export.is_closed import is_closed
 from flowtree.export.read_glb import read_glb
 from flowtree.export.write_glb import encode_glb
 from flowtree.model.tree import TreeModel
@@ -26,8 +25,6 @@ from tests.trees import (
     bare_tree,
     hand_made_skeleton,
     hand_made_tree,
-    join_meshes,
-    tapered_prism,
     unusual_tree,
 )
 
@@ -120,18 +117,6 @@ def test_skeleton_as_points(tmp_path: Path) -> None:
     export_skeleton(hand_made_skeleton(), path)
     found = inspect_file(path)
     assert (found["triangles"], found["meshes"][0]["vertices"]) == (0, 14)
-
-
-def test_a_surface_is_closed_until_a_triangle_goes() -> None:
-    prism = tapered_prism(np.zeros(3, np.float32), np.array([0, 1, 0], np.float32), 0.2, 0.1)
-    twins = join_meshes([prism, prism])  # two twigs at one place
-    for mesh in (prism, twins):
-        assert is_closed(mesh.positions, mesh.triangles)
-        assert not is_closed(mesh.positions, mesh.triangles[1:])
-        flipped = np.concatenate([mesh.triangles[:1, ::-1], mesh.triangles[1:]])
-        assert not is_closed(mesh.positions, flipped)
-    assert not is_closed(prism.positions, prism.triangles[:0])
-    assert not is_closed(prism.positions[:0], prism.triangles[:0])
 
 
 @pytest.mark.parametrize("tree", [hand_made_tree(), bare_tree(), unusual_tree()], ids=lambda tree: tree.name)

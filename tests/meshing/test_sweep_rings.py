@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flowtree.errors import InputError
-from flowtree.meshing.close_seams import close_seams, is_watertight
+from flowtree.geometry.closed_surfaces import is_watertight
+from flowtree.meshing.close_seams import close_seams
 from flowtree.meshing.map_bark import map_bark
 from flowtree.meshing.place_rings import place_rings
 from flowtree.meshing.sweep_rings import sweep_rings

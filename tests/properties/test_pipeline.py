@@ -16,8 +16,9 @@ from flowtree.configuration import override_params
 from flowtree.density.solve_density import solve_density
 from flowtree.errors import InputError
 from flowtree.flow.trace_particles import trace_particles
+from flowtree.geometry.closed_surfaces import is_watertight
 from flowtree.matting.extract_matte import extract_matte
-from flowtree.meshing.close_seams import close_seams, is_watertight
+from flowtree.meshing.close_seams import close_seams
 from flowtree.meshing.sweep_rings import sweep_rings
 from flowtree.model.edit import PaintedEdit
 from flowtree.model.field import DirectionField
