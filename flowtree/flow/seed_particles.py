@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from flowtree.geometry.morton import morton_code
 from flowtree.model.volume import DensityVolume
 
 
@@ -23,19 +24,10 @@ def seed_particles(volume: DensityVolume, count: int, *, seed: int = 0) -> NDArr
     Returns: (count, 3) float32 [m].
     """
     filled = np.argwhere(volume.density > 0)
-    filled = filled[np.argsort(_morton(filled), kind="stable")]
+    filled = filled[np.argsort(morton_code(filled), kind="stable")]
     share = np.cumsum(volume.density[tuple(filled.T)], dtype=np.float64)
     random = np.random.default_rng(seed)
     draws = (np.arange(count) + random.random(count)) * (share[-1] / count)
     voxel = filled[np.minimum(np.searchsorted(share, draws, side="right"), len(filled) - 1)]
     place = volume.origin + (voxel + random.random((count, 3))) * float(volume.voxel)
     return np.asarray(place, np.float32)
-
-
-def _morton(cells: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The bits of the three coordinates, interleaved."""
-    code = np.zeros(len(cells), np.int64)
-    for bit in range(int(cells.max()).bit_length()):
-        for axis in range(3):
-            code |= ((cells[:, axis] >> bit) & 1) << (3 * bit + axis)
-    return code

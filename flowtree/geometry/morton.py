@@ -7,19 +7,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-_BITS = 10
+_BITS = 10  # of each coordinate where points are ordered: a thousandth of their extent
 
 
 def morton_code(cells: NDArray[np.integer[Any]]) -> NDArray[np.int64]:
-    """The lowest ten bits of three coordinates, interleaved.
+    """The bits of three coordinates, interleaved.
 
     Args:
-        cells: (n, 3), not negative.
+        cells: (n, 3), not negative and below 2**21.
 
     Returns: (n,) int64.
     """
     code = np.zeros(len(cells), np.int64)
-    for bit in range(_BITS):
+    for bit in range(int(cells.max(initial=0)).bit_length()):
         for axis in range(3):
             code |= ((cells[:, axis].astype(np.int64) >> bit) & 1) << (3 * bit + axis)
     return code
