@@ -235,6 +235,7 @@ class LeafParams(StageParams):
     shape: Literal["auto", "broad", "lanceolate", "needle", "frond", "compound", "blossom"] = _choice(
         "auto", "the leaf's shape"
     )
+    bear: Literal["auto", "always", "never"] = _choice("auto", "whether the tree bears leaves")
     picture: str | None = _choice(None, "PNG of a leaf with alpha, its stalk's end at the bottom centre")
     size: float = _number(
         0.016,

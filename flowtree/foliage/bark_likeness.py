@@ -35,7 +35,7 @@ def bark_likeness(matte: Matte, camera: Camera) -> NDArray[np.float32]:
     gap = np.linalg.norm(lab - np.median(lab[stem:foot][solid[stem:foot]], axis=0), axis=2)
     if np.median(gap[:stem][solid[:stem]]) < _OTHER:
         return nothing
-    return np.clip((_OTHER - gap) / (_OTHER - _ALIKE), 0.0, 1.0).astype(np.float32)
+    return np.asarray(np.clip((_OTHER - gap) / (_OTHER - _ALIKE), 0.0, 1.0), np.float32)
 
 
 def visible_limbs(matte: Matte, camera: Camera) -> NDArray[np.float32]:

@@ -14,6 +14,7 @@ from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 
 _BLUR = 0.004  # of the picture's height: about a leaf, so that one dark pixel between leaves does not count
+_SOLID = 4  # power of alpha that weighs a pixel: half-covered ones still hold some of the sky
 _TEXTURE = 0.8  # brightness of a leaf texture's mean, which is multiplied with the colour
 
 
@@ -42,7 +43,7 @@ def color_leaves(
     nearness = np.empty((len(mattes), len(points)))
     for k, (matte, camera) in enumerate(zip(mattes, cameras, strict=True)):
         sigma = max(_BLUR * matte.alpha.shape[0], 0.5)
-        weight = matte.alpha * (1.02 - bark_likeness(matte, camera)) + 1e-4
+        weight = matte.alpha**_SOLID * (1.02 - bark_likeness(matte, camera)) + 1e-4
         linear = _to_linear(matte.foreground) * weight[..., None]
         soft = cv2.GaussianBlur(linear, (0, 0), sigma) / cv2.GaussianBlur(weight, (0, 0), sigma)[..., None]
         pixel = np.floor(project(points, camera)).astype(int)

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from flowtree.geometry.footprint_means import footprint_means, optical_depth
 from flowtree.geometry.projection import View, to_plane
 
+_RUN = 8  # rows that tell a crown from a tuft
+
 
 @dataclass(frozen=True)
 class PlaneGrid:
@@ -86,9 +88,14 @@ def splat_matrix(
 
 
 def narrow_rows(grid: PlaneGrid, depth: NDArray[np.float64], width: float) -> NDArray[np.bool_]:
-    """Cells (columns * rows,) of the rows from height 0 up to the first that holds more than ``width`` [m]."""
+    """Cells (columns * rows,) of the rows from height 0 up to where most rows hold more than ``width`` [m].
+
+    Most: of the next ``_RUN`` rows three quarters, so that one wide row (a flare, a tuft) does not count.
+    """
     held = -np.expm1(-depth.reshape(grid.columns, grid.rows)).sum(axis=0) * grid.cell
-    ground = max(0, round(-grid.bottom / grid.cell))
-    wide = np.flatnonzero(held[ground:] > width)
-    narrow = np.arange(grid.rows) < ground + (wide[0] if len(wide) else grid.rows)
+    ground = min(max(0, round(-grid.bottom / grid.cell)), grid.rows)
+    wide = np.concatenate([held[ground:] > width, np.zeros(_RUN)])
+    share = np.convolve(wide, np.ones(_RUN) / _RUN, mode="valid")[: grid.rows - ground]
+    starts = np.flatnonzero((share >= 0.75) & (wide[: len(share)] > 0))
+    narrow = np.arange(grid.rows) < ground + (starts[0] if len(starts) else 0)
     return np.tile(narrow, grid.columns)

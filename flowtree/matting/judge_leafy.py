@@ -12,13 +12,9 @@ from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 
 _HEIGHT = 512  # of the tree in the picture that is looked at [pixels]
-_COHERENCE = (
-    0.57  # twigs are lines: of the test trees bare ones have 0.65 and more, crowns of leaves 0.4 to 0.64
-)
-_MASSIVE = (
-    0.6  # leaves gather in masses that survive an opening by 1 % of the height; bare crowns keep under 0.5
-)
-_CHROMA = 6.0  # twigs have the colour of the trunk [CIELAB]; of the test trees bare ones differ by under 4
+_COHERENCE = 0.48  # twigs are lines: of the test trees bare ones have 0.51 and more, broad crowns 0.4 to 0.65
+_MASSIVE = 0.65  # leaves gather in masses: 0.7 and more survive an opening by 1 % of the height, of twigs 0.6
+_CHROMA = 9.0  # twigs have the trunk's colour [CIELAB]: under 8; a crown as open, but of leaves, over 20
 
 
 def judge_leafy(mattes: Sequence[Matte], cameras: Sequence[Camera]) -> bool:

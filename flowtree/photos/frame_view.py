@@ -14,6 +14,7 @@ from flowtree.model.matte import Matte
 
 _SOLID = 0.35  # alpha of a pixel that counts; twigs thinner than a pixel still reach it
 _LEAST_HEIGHT = 16.0  # [pixels]
+_WIDE = 0.25  # of the tree's height: the last rows of a stem are narrower
 _FOOT_ROWS = 0.03  # of the tree's height: the stretch that says where the trunk's middle is
 
 
@@ -28,7 +29,8 @@ def frame_view(
     """An orthographic camera that sees the tree of the matte at its height.
 
     Foot and top are those of the largest thing in the matte and of what lies near it: specks count for
-    nothing. The foot is the middle of the trunk in its last rows, the top the highest row with a solid pixel.
+    nothing. The foot is the middle of the trunk in its last rows; where the crown comes down to the ground it
+    is below the middle of the whole tree. The top is the highest row with a solid pixel.
 
     Args:
         matte: of the view.
@@ -94,12 +96,19 @@ def _find_ends(alpha: NDArray[np.float32]) -> tuple[tuple[float, float], float]:
     while last > first and mass[last] < enough:
         last -= 1
     low = weight[max(first, last - round(_FOOT_ROWS * tall)) : last + 1].sum(axis=0)
-    # The median column is the stem's even where a branch hangs beside it.
-    half = np.cumsum(low) / max(float(low.sum()), 1e-9)
-    column = int(np.searchsorted(half, 0.5))
-    before = float(half[column - 1]) if column else 0.0
-    x = column + (0.5 - before) / max(float(half[column]) - before, 1e-9)
-    return (float(x), float(last + 1)), float(first)
+    if _quantile(low, 0.9) - _quantile(low, 0.1) > _WIDE * tall:  # a crown down to the ground hides the stem
+        x = float(np.median([_quantile(row, 0.5) for row in weight[first : last + 1] if row.any()]))
+    else:
+        x = _quantile(low, 0.5)  # the median is the stem's even where a branch hangs beside it
+    return (x, float(last + 1)), float(first)
+
+
+def _quantile(mass: NDArray[np.float64], share: float) -> float:
+    """Where along a row of pixels the given share of its mass is reached."""
+    run = np.cumsum(mass) / max(float(mass.sum()), 1e-9)
+    column = int(np.searchsorted(run, share))
+    before = float(run[column - 1]) if column else 0.0
+    return float(column + (share - before) / max(float(run[column]) - before, 1e-9))
 
 
 def _tree_of(alpha: NDArray[np.float32]) -> NDArray[np.bool_]:

@@ -16,7 +16,9 @@ from flowtree.attraction.build_direction_field import build_direction_field
 from flowtree.attraction.read_strokes import read_strokes
 from flowtree.attraction.trace_attractor_graph import trace_attractor_graph
 from flowtree.branches.build_skeleton import build_skeleton
+from flowtree.branches.center_limbs import center_limbs
 from flowtree.branches.da_vinci_radii import da_vinci_radii
+from flowtree.branches.fit_exponent import fit_exponent
 from flowtree.branches.grow_twigs import grow_twigs
 from flowtree.branches.measure_trunk import measure_trunk
 from flowtree.density.solve_density import solve_density
@@ -51,6 +53,7 @@ from flowtree.pipeline.stage import Job
 from flowtree.render.render_mask import render_mask
 from flowtree.render.soft_iou import soft_iou
 
+_WIDER = 1.4  # views of one trunk differ less
 _MASK_HEIGHT = 256  # [pixels]
 
 Polylines = tuple[NDArray[np.float32], ...]
@@ -152,20 +155,39 @@ def run_flow(job: Job, volume: DensityVolume, fields: tuple[DirectionField, ...]
 
 
 def run_branches(
-    job: Job, traces: FlowTraces, mattes: tuple[Matte, ...], cameras: tuple[Camera, ...]
+    job: Job,
+    traces: FlowTraces,
+    graphs: tuple[AttractorGraph, ...],
+    mattes: tuple[Matte, ...],
+    cameras: tuple[Camera, ...],
+    leafy: bool,
 ) -> Skeleton:
-    """The skeleton with radii: the trunk's is the median of what the views show."""
+    """The skeleton with radii: limbs where the graphs run, and as wide as the mattes show."""
+    params = job.params.thickness
     bare = build_skeleton(traces, params=job.params.branches)
-    seen = [measure_trunk(matte, camera) for matte, camera in zip(mattes, cameras, strict=True)]
-    radii = [radius for radius in seen if radius is not None]
-    trunk = float(np.median(radii)) if radii else None
-    return da_vinci_radii(bare, trunk_radius=trunk, params=job.params.thickness)
+    centred = center_limbs(bare, graphs, [camera.yaw for camera in cameras])
+    trunk = _agreed_radius([measure_trunk(m, c) for m, c in zip(mattes, cameras, strict=True)])
+    if not leafy and params.exponent is None:
+        exponent = fit_exponent(centred, mattes, cameras, trunk_radius=trunk, params=params)
+        params = params.model_copy(update={"exponent": exponent})
+    return da_vinci_radii(centred, trunk_radius=trunk, params=params)
+
+
+def _agreed_radius(seen: list[float | None]) -> float | None:
+    """The trunk's radius from all views: their median, without views that see it far wider than another does.
+
+    A view whose foot is cropped or grown over measures a fork or a bush instead, which is never narrower.
+    """
+    radii = np.array([radius for radius in seen if radius is not None])
+    if not len(radii):
+        return None
+    return float(np.median(radii[radii <= _WIDER * radii.min()]))
 
 
 def run_leafiness(job: Job, mattes: tuple[Matte, ...], cameras: tuple[Camera, ...]) -> bool:
     """Whether the tree bears leaves."""
-    del job
-    return judge_leafy(mattes, cameras)
+    bear = job.params.leaves.bear
+    return judge_leafy(mattes, cameras) if bear == "auto" else bear == "always"
 
 
 def run_twigs(

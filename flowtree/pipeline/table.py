@@ -84,19 +84,20 @@ STAGES: tuple[Stage, ...] = (
         share=0.3,
     ),
     Stage(
-        name="branches",
-        run=steps.run_branches,
-        inputs=("traces", "mattes", "cameras"),
-        outputs=("branches",),
-        params=("branches", "thickness"),
-        share=0.1,
-    ),
-    Stage(
         name="leafiness",
         run=steps.run_leafiness,
         inputs=("mattes", "cameras"),
         outputs=("leafy",),
+        params=("leaves",),
         share=0.02,
+    ),
+    Stage(
+        name="branches",
+        run=steps.run_branches,
+        inputs=("traces", "graphs", "mattes", "cameras", "leafy"),
+        outputs=("branches",),
+        params=("branches", "thickness"),
+        share=0.1,
     ),
     Stage(
         name="twigs",

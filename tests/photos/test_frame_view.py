@@ -88,3 +88,14 @@ def test_random_alpha_gives_a_camera_inside_or_an_input_error(seed, fill, height
     assert 0 <= camera.foot[0] <= width
     assert 16 <= camera.foot[1] <= height
     assert 3.0 / height <= camera.metres_per_pixel <= 3.0 / 16
+
+
+def test_a_crown_down_to_the_ground_stands_below_its_own_middle():
+    """The lowest rows of a conifer are one branch here and another there: they say nothing of the stem."""
+    alpha = np.zeros((300, 240), np.float32)
+    for row in range(20, 280):
+        half = (row - 20) * 0.35
+        alpha[row, int(120 - half) : int(120 + half) + 1] = 1.0
+    alpha[262:280, :70] = 0.0
+    camera = frame_view(matte(alpha), yaw=0, height=10.0)
+    assert camera.foot[0] == pytest.approx(120.5, abs=3.0)
