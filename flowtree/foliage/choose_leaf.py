@@ -14,10 +14,15 @@ _SLIM = 0.75  # a conifer's crown is at most this wide for its height
 _BARE_STEM = 0.55  # a palm's stem is at least this share of its height
 
 
-def choose_leaf(mattes: Sequence[Matte], cameras: Sequence[Camera]) -> Literal["broad", "needle", "frond"]:
-    """Needles for a cone that starts near the ground, fronds for a tuft on a bare stem, else broad leaves."""
+def choose_leaf(
+    mattes: Sequence[Matte], cameras: Sequence[Camera]
+) -> Literal["broad", "needle", "lanceolate"]:
+    """Needles for a cone that starts near the ground, leaflets for a tuft on a bare stem, else broad leaves.
+
+    The traced branches of a palm are the ribs of its fronds: what they bear are lanceolate leaflets.
+    """
     kinds = [_kind(matte, camera) for matte, camera in zip(mattes, cameras, strict=True)]
-    for kind in ("needle", "frond"):
+    for kind in ("needle", "lanceolate"):
         if 2 * kinds.count(kind) > len(kinds):
             return kind
     return "broad"
@@ -36,7 +41,7 @@ def _kind(matte: Matte, camera: Camera) -> str:
     stem = width < 0.25 * widest
     bare = int(np.argmin(stem[::-1])) / len(stem)  # from the ground up
     if bare >= _BARE_STEM:
-        return "frond"
+        return "lanceolate"
     crown = width[: len(width) - int(np.argmin(stem[::-1]))]
     tapers = bool(np.polyfit(np.arange(len(crown)), crown / widest, 1)[0] > 0.07) and crown[0] < 0.25 * widest
     low = bare <= 0.2
