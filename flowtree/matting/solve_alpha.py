@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import sys
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -65,14 +66,21 @@ def _cf_laplacian() -> Any:
     ``import pymatting`` compiles all its Numba functions: 42 s in a new environment (box filters alone 35 s),
     before the first photograph is looked at. The one module that is needed compiles in 2 s.
     """
-    package = importlib.util.find_spec("pymatting")
-    if package is None or not package.submodule_search_locations:
-        raise ModuleNotFoundError("pymatting is not installed")
-    file = Path(package.submodule_search_locations[0]) / "laplacian" / "cf_laplacian.py"
-    # The last part of the name is Numba's key: the cached machine code is shared with ``import pymatting``.
-    specification = importlib.util.spec_from_file_location("flowtree._pymatting.cf_laplacian", file)
-    if specification is None or specification.loader is None:
-        raise ModuleNotFoundError(f"pymatting has no {file.name}")
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    return module.cf_laplacian
+    name = "pymatting.laplacian.cf_laplacian"
+    if name not in sys.modules:
+        package = importlib.util.find_spec("pymatting")
+        if package is None or not package.submodule_search_locations:
+            raise ModuleNotFoundError("pymatting is not installed")
+        file = Path(package.submodule_search_locations[0]) / "laplacian" / "cf_laplacian.py"
+        specification = importlib.util.spec_from_file_location(name, file)
+        if specification is None or specification.loader is None:
+            raise ModuleNotFoundError(f"pymatting has no {file.name}")
+        # Numba keeps the machine code under the module's name and looks it up there when it reads it again:
+        # it must be the real one, and be there before the functions are made.
+        module = sys.modules[name] = importlib.util.module_from_spec(specification)
+        try:
+            specification.loader.exec_module(module)
+        except BaseException:
+            del sys.modules[name]
+            raise
+    return sys.modules[name].cf_laplacian
