@@ -23,7 +23,10 @@ def relax_forks(
     Particles attract each other before they join, so a side branch approaches its limb at a small angle. Such
     a branch is followed outwards, together with its limb, until the way over from the limb makes at least
     ``least_angle`` with it; there it is attached, and the nodes before are dropped. Whatever grew from those
-    nodes grows from the limb beside them.
+    nodes grows from the limb beside them, and is looked at in turn.
+
+    In the end every side branch leaves at ``least_angle`` or more, but for those that end, or run on for more
+    than ``_LONGEST`` nodes, before they part from their limb.
 
     Args:
         parent: (n,), parents before children.
@@ -35,23 +38,26 @@ def relax_forks(
     """
     parent = parent.astype(np.int32)
     own = own.copy()
-    least_cosine = np.cos(np.radians(least_angle))
+    least_cosine = float(np.cos(np.radians(least_angle)))
     gone = np.zeros(len(parent), np.bool_)
     level = 1
     while True:
         particles = sum_to_root(parent, own)
         ahead = main_child(parent, particles)
         order = order_branches(parent, particles)
-        starts = np.flatnonzero((order == level) & (parent >= 0) & ~gone)
-        starts = starts[order[parent[starts]] < level]
-        if not len(starts):
+        sides = (order == level) & (parent >= 0)
+        if not sides.any():
             break
+        starts = np.flatnonzero(sides & (order[np.maximum(parent, 0)] < level))
+        found = _partings(parent, points, ahead, starts, least_cosine)
         by_parent = np.argsort(parent, kind="stable")
         bounds = np.searchsorted(parent[by_parent], np.arange(len(parent) + 1))
-        for path, limb in _partings(parent, points, ahead, starts, least_cosine):
+        for path, limb in found:
             children = [by_parent[bounds[node] : bounds[node + 1]] for node in path[:-1]]
             _attach_at(parent, own, gone, path, limb, np.concatenate(children))
-        level += 1
+        # What grew from the dropped nodes is of this order now, and a moved branch may outweigh what is left
+        # of its limb and carry it on: the limb is looked at again. Every move drops a node, so this ends.
+        level = max(level - 1, 1) if found else level + 1
     kept = ~gone
     index = np.cumsum(kept) - 1
     above = parent[kept]
@@ -78,8 +84,7 @@ def _partings(
         over = points[side] - points[limb]
         length = np.linalg.norm(along, axis=1) * np.linalg.norm(over, axis=1)
         wide = np.sum(along * over, axis=1) < least_cosine * length
-        # At a fork of equals the limb's next node may be the branch itself: there is nothing to part from.
-        now = open_ & (wide | (beyond < 0) | (beyond == side))
+        now = open_ & (wide | (beyond < 0))  # where the limb has ended the branch carries it on
         parted[now] = k
         open_ &= ~now & (ahead[side] >= 0)
         side = np.where(open_, ahead[side], side)
