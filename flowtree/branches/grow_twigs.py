@@ -27,6 +27,7 @@ _SHAPES = 16  # different twigs; more would not be told apart
 _STEM = 3.0  # rows no wider than this many radii of the trunk show the stem alone: no twig grows there
 _DENSEST = 2.5  # optical depth that twigs alone can have
 _FULL = 0.25  # depth over the whole view, in squared heights, of a crown that is given all twigs
+_SLIMMER = 0.8  # times its branch's radius, a twig's at most
 _CELLS = 64  # along the height, of the grids on which the twigs are chosen
 
 
@@ -42,6 +43,9 @@ def grow_twigs(
 ) -> Skeleton:
     """Adds twigs to the thin branches, where and as many as the mattes ask for.
 
+    The paper places them by rule alone, and lets the user set length, rigidity and frequency; here the rule
+    offers places, and the mattes choose among them.
+
     Twigs leave their branch at ``params.angle`` and turn around it by ``params.divergence`` from one to the
     next (the Golden Section rule of section 8 with 137.5 degrees); plagiotropism bends them toward the
     horizontal, and what is not rigid hangs. Of all possible places those are taken that together, with the
@@ -50,14 +54,15 @@ def grow_twigs(
 
     Args:
         skeleton: branches with radii.
-        volume: no twig ends where it is empty.
+        volume: no twig ends where it is empty; its height is the tree's.
         mattes: one a view.
         cameras: theirs.
         leafy: whether the tree bears leaves.
         params: length, angle, frequency and so on.
         seed: of the places and bends.
 
-    Returns: the skeleton with the twigs' nodes, marked in ``twig``.
+    Returns: the skeleton with the twigs' nodes, marked in ``twig``; no twig is thicker than its branch. The
+        same skeleton where there is no place for any.
     """
     height = volume.voxel * volume.density.shape[1]
     random = np.random.default_rng(seed)
@@ -85,9 +90,11 @@ def grow_twigs(
     if leafy:  # a twig stands for the leaves on it: as many as aimed at make up for all leaves
         matrices = [m * missing for m in matrices]
     else:  # a few more twigs than aimed at, and somewhat thicker ones, rather than several times as many
-        thicker = float(np.clip(missing, 1.0, params.thickest))
-        matrices = [m * thicker for m in matrices]
-        twigs = replace(twigs, radius=twigs.radius * thicker)
+        thicker = twigs.radius * float(np.clip(missing, 1.0, params.thickest))
+        radius = np.minimum(thicker, _SLIMMER * skeleton.radius[twigs.node])
+        gain = radius / np.maximum(twigs.radius, 1e-12)
+        matrices = [sparse.csr_array(m @ sparse.diags_array(gain)) for m in matrices]
+        twigs = replace(twigs, radius=radius)
     shares = match_depths(matrices, targets, start)
     order = morton_order(skeleton.points[twigs.node])
     chosen = np.zeros(len(shares), np.bool_)
@@ -135,13 +142,14 @@ def _find_places(
     turn = np.radians(number * params.divergence + random.normal(0.0, 12.0, len(node)))[:, None]
     lean = np.radians(params.angle * random.uniform(0.7, 1.2, len(node)))[:, None]
     along = np.cos(lean) * axis + np.sin(lean) * (np.cos(turn) * first + np.sin(turn) * second)
-    along = unit(along * np.array([1.0, 1.0 - params.plagiotropism, 1.0]))
+    level = unit(along * np.array([1.0, 1.0 - params.plagiotropism, 1.0]))
+    along = np.where(level.any(axis=1, keepdims=True), level, along)  # what stands upright bends nowhere
     over, aside = side_axes(along)
     length = mean_length * random.uniform(0.55, 1.3, len(node))
     shape = shapes.points[random.integers(0, _SHAPES, len(node))] * length[:, None, None]
     points = shape @ np.stack([-aside, along, over], axis=1)
     points[..., 1] -= (1.0 - params.rigidity) * shape[..., 1] ** 2 / length[:, None]
-    radius = np.minimum(params.radius * height, 0.8 * skeleton.radius[node])
+    radius = np.minimum(params.radius * height, _SLIMMER * skeleton.radius[node])
     return _Twigs(node, points + skeleton.points[node, None], radius)
 
 
@@ -154,6 +162,7 @@ def _inside(points: NDArray[np.float64], volume: DensityVolume) -> NDArray[np.bo
 
 
 def _twig_depth(grid: PlaneGrid, skeleton: Skeleton, shapes: TwigShapes, twigs: _Twigs) -> sparse.csr_array:
+    """Optical depth that each twig gives each cell of a view: (cells, m)."""
     count, nodes = len(twigs.node), len(shapes.parent)
     base = skeleton.points[twigs.node].astype(np.float64)[:, None]
     start = np.concatenate([base, twigs.points], axis=1)[:, shapes.parent + 1]
