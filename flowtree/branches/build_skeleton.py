@@ -69,9 +69,8 @@ def _thin(
     index = np.cumsum(keep) - 1
     own = traces.particles.copy()
     np.subtract.at(own, parent[1:], traces.particles[1:])
-    home = np.where(
-        keep, np.arange(len(parent)), kept_above
-    )  # a particle that set off in between starts lower
+    # A particle that set off in between starts lower.
+    home = np.where(keep, np.arange(len(parent)), kept_above)
     total = np.bincount(index[home], weights=own, minlength=int(keep.sum()))
     above = kept_above[keep]
     return (

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from flowtree import check
 from flowtree.branches.da_vinci_radii import da_vinci_radii
 from flowtree.geometry.plane_grid import seen_depth
 from flowtree.geometry.segment_depth import rods_depth
@@ -33,9 +34,20 @@ def fit_exponent(
     With the trunk's width given, a larger exponent makes limbs and twigs thicker. The paper has 2 throughout;
     measured on trees with known stems it lies between 2.0 and 2.6, and a bare tree shows nothing but wood.
 
+    Args:
+        skeleton: the branches, without twigs.
+        mattes: one a view.
+        cameras: theirs.
+        trunk_radius: as for `da_vinci_radii` [m].
+        params: as for `da_vinci_radii`, but for the exponent.
+
     Returns: between 2 and 2.7.
+
+    Raises:
+        InputError: the skeleton has no height.
     """
     height = float(np.ptp(skeleton.points[:, 1]))
+    check.require(height > 0, "skeleton", "must rise from its foot", "a height of 0", "trace more particles")
     seen = [seen_depth(m.alpha, c, cell=height / _CELLS) for m, c in zip(mattes, cameras, strict=True)]
     wanted = _SHARE * sum(float(depth.sum()) for _, depth in seen)
     low, high = _LEAST, _MOST

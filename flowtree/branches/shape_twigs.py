@@ -34,6 +34,8 @@ def shape_twigs(
         angle: between shoot and side twig [degrees].
         curl: how far a tip leaves the straight line, as a share of the length (standard deviation).
         random: of the bends.
+
+    Returns: the shapes; their parents are alike, so that a tree's twigs can be built all at once.
     """
     way = np.array([0.36, 0.7, 1.0])
     bend = random.normal(0.0, curl, (count, 1, 2))

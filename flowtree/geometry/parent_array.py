@@ -75,9 +75,8 @@ def child_count(parent: NDArray[np.integer[Any]]) -> NDArray[np.int64]:
 def main_child(parent: NDArray[np.integer[Any]], weight: NDArray[Any]) -> NDArray[np.int64]:
     """The child that carries each node's branch on: the heaviest, of equals the first; -1 at tips: (n,)."""
     nodes = np.flatnonzero(parent >= 0)
-    order = nodes[
-        np.lexsort((-nodes, weight[nodes]))
-    ]  # the heaviest, of equals the lowest index, is written last
+    # The heaviest, of equals the one with the lowest index, is written last.
+    order = nodes[np.lexsort((-nodes, weight[nodes]))]
     heaviest = np.full(len(parent), -1, np.int64)
     heaviest[parent[order]] = order
     return heaviest
