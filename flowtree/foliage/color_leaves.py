@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from flowtree.foliage.bark_likeness import bark_likeness
 from flowtree.geometry.projection import project, view_axes
+from flowtree.geometry.srgb import LIGHT_OF_BYTE
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 
@@ -44,7 +45,7 @@ def color_leaves(
     for k, (matte, camera) in enumerate(zip(mattes, cameras, strict=True)):
         sigma = max(_BLUR * matte.alpha.shape[0], 0.5)
         weight = matte.alpha**_SOLID * (1.02 - bark_likeness(matte, camera)) + 1e-4
-        linear = _to_linear(matte.foreground) * weight[..., None]
+        linear = LIGHT_OF_BYTE.astype(np.float32)[matte.foreground] * weight[..., None]
         soft = cv2.GaussianBlur(linear, (0, 0), sigma) / cv2.GaussianBlur(weight, (0, 0), sigma)[..., None]
         pixel = np.floor(project(points, camera)).astype(int)
         column = np.clip(pixel[:, 0], 0, matte.alpha.shape[1] - 1)
@@ -55,10 +56,3 @@ def color_leaves(
     color = colors[np.argmax(nearness, axis=0), np.arange(len(points))]
     bright = np.random.default_rng(seed).normal(1.0, variation, (len(points), 1))
     return np.asarray(np.clip(color / _TEXTURE * np.clip(bright, 0.4, 1.8), 0.0, 1.0), np.float32)
-
-
-def _to_linear(rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
-    value = np.arange(256) / 255.0
-    table = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
-    linear: NDArray[np.float32] = table.astype(np.float32)[rgb]
-    return linear
