@@ -24,6 +24,7 @@ _RULES = {
     "less_than": "must be less than {lt:g}",
     "literal_error": "must be {expected}",
     "finite_number": "must be finite",
+    "value_error": "{error}",  # in the validator's own words
 }
 _KINDS = {
     "int": "must be a whole number",

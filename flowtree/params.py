@@ -6,9 +6,9 @@ and the table of ``flowtree params``.
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
 
 def _number(
@@ -28,9 +28,19 @@ def _choice(default: Any, doc: str) -> Any:
 
 
 class StageParams(BaseModel):
-    """What all stages' parameters share: frozen, finite, no unknown names."""
+    """What all stages' parameters share: frozen, finite, no unknown names, no true or false for a number."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _refuse_booleans(cls, value: Any, info: ValidationInfo) -> Any:
+        """Python's booleans are whole numbers, and pydantic takes them for 0 and 1."""
+        annotation = cls.model_fields[str(info.field_name)].annotation
+        kinds = get_args(annotation) or (annotation,)
+        if isinstance(value, bool) and bool not in kinds and (int in kinds or float in kinds):
+            raise ValueError("must be a whole number" if int in kinds else "must be a number")
+        return value
 
 
 class PhotoParams(StageParams):
@@ -59,7 +69,7 @@ class AttractionParams(StageParams):
 
     seed_count: int = _number(28, "seed points on the silhouette", ge=0, le=2000)
     seed_mode: Literal["farthest", "random"] = _choice("farthest", "how the silhouette's seeds are spread")
-    automatic: bool = _choice(True, "trace the automatic graph even where strokes are given")
+    automatic: bool = _choice(True, "trace the automatic graph even where strokes or seeds are given")
     grid_height: int = _number(
         240, "the tree's height in the small picture that is searched for paths", ge=32, le=1024, unit="px"
     )

@@ -61,6 +61,7 @@ def test_every_parameter_is_printed_with_its_meaning():
         ('field.blending="constant"', "field", "blending", "constant"),
         ("attraction.automatic=false", "attraction", "automatic", False),
         ("thickness.trunk_radius=0.3", "thickness", "trunk_radius", 0.3),
+        ('thickness.trunk_radius="0.3"', "thickness", "trunk_radius", 0.3),
         ("thickness.trunk_radius=none", "thickness", "trunk_radius", None),
         (
             "matting.foreground_colors=#aabbcc, #112233",
@@ -94,6 +95,8 @@ def test_the_last_override_counts_and_the_rest_stays():
         ("field.reach=3", r"must be at most 2, but got 3"),
         ("field.reach=nan", r"field\.reach: must be finite, but got nan"),
         ("flow.particle_count=many", r"must be a whole number, but got 'many'"),
+        ("thickness.trunk_radius=true", r"thickness\.trunk_radius: must be a number, but got True"),
+        ("flow.particle_count=false", r"flow\.particle_count: must be a whole number, but got False"),
         ("field.blending=cubic", r"must be 'linear' or 'constant', but got 'cubic'"),
     ],
 )
