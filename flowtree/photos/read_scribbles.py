@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import math
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +13,10 @@ from flowtree import check
 from flowtree.model.photo import Photo
 from flowtree.params import PhotoParams
 from flowtree.photos.decode_picture import decode_picture
+from flowtree.photos.read_drawn_json import is_number, is_pair, read_drawn_json
 from flowtree.photos.read_trimap import require_aspect
 
 _LABELS = {"tree": 1, "background": 2, "unknown": 3}
-_LARGEST_FILE = 64_000_000  # bytes of JSON
 _SUBPIXEL = 4  # fractional bits of cv2's drawing
 _STROKES = '{"strokes": [{"label": "tree", "width": 8, "points": [[x, y], …]}, …]}'
 
@@ -86,13 +84,7 @@ def _from_picture(file: Path, photo: Photo, params: PhotoParams) -> NDArray[np.u
 
 
 def _from_json(file: Path, photo: Photo) -> NDArray[np.uint8]:
-    check.require(file.is_file(), file.name, "must be a file of scribbles", "no such file", "check the path")
-    size = file.stat().st_size
-    check.require(size <= _LARGEST_FILE, file.name, "must be under 64 MB", f"{size} bytes", "draw less")
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except (ValueError, RecursionError) as error:
-        check.fail(file.name, "must be JSON", f"something else ({error})", f"write {_STROKES}")
+    content = read_drawn_json(file, holds="scribbles", form=_STROKES)
     listed = isinstance(content, dict) and isinstance(content.get("strokes"), list)
     check.require(
         listed, file.name, 'must hold a list "strokes"', type(content).__name__, f"write {_STROKES}"
@@ -113,13 +105,14 @@ def _draw(labels: NDArray[np.uint8], stroke: Any, name: str, photo: Photo) -> No
     check.require(known, name, f"needs a label ({', '.join(_LABELS)})", repr(label)[:40], "name one of them")
     height_px, width_px = photo.rgb.shape[:2]
     widest = (height_px + width_px) / photo.scale
-    wide = _is_number(width) and 0 < width <= widest
+    wide = is_number(width) and 0 < width <= widest
     check.require(wide, name, f"needs a width from 0 to {widest:.0f}", repr(width)[:40], "give it in pixels")
-    pairs = isinstance(points, list) and len(points) > 0 and all(_is_pair(point) for point in points)
+    pairs = isinstance(points, list) and len(points) > 0 and all(is_pair(point) for point in points)
     check.require(
         pairs, name, "needs points [[x, y], …]", repr(points)[:40], "list at least one pair of numbers"
     )
-    path = np.asarray(points, np.float64) * photo.scale
+    drawn = np.asarray(points, np.float64)
+    path = drawn * photo.scale
     # Drawing is in fixed point: what lies this far out could only wrap around.
     near = bool((np.abs(path) <= 100.0 * (height_px + width_px)).all())
     layer = np.zeros_like(labels)
@@ -128,19 +121,15 @@ def _draw(labels: NDArray[np.uint8], stroke: Any, name: str, photo: Photo) -> No
         fixed = np.concatenate([fixed, fixed[-1:]])  # a single point is a dot, too
         thick = max(1, round(width * photo.scale))
         cv2.polylines(layer, [fixed], False, 1, thickness=thick, shift=_SUBPIXEL)
+        # OpenCV draws no line of one pixel that is no longer than that.
+        inside = path[((path >= 0.0) & (path <= (width_px, height_px))).all(axis=1)]
+        column, row = np.minimum(inside.astype(int), (width_px - 1, height_px - 1)).T
+        layer[row, column] = 1
     check.require(
         bool(layer.any()),
         name,
         f"must touch the photo ({width_px / photo.scale:.0f} x {height_px / photo.scale:.0f})",
-        f"points from {np.min(points, axis=0).tolist()} to {np.max(points, axis=0).tolist()}",
+        f"points from {drawn.min(axis=0).tolist()} to {drawn.max(axis=0).tolist()}",
         "give them in pixels of the upright photo",
     )
     labels[layer > 0] = _LABELS[str(label)]
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-
-
-def _is_pair(value: Any) -> bool:
-    return isinstance(value, list) and len(value) == 2 and all(_is_number(number) for number in value)

@@ -63,6 +63,16 @@ def test_json_is_in_pixels_of_the_original(tmp_path):
     assert 3 <= (labels[30] == 1).sum() <= 6
 
 
+@pytest.mark.parametrize("place", [[40, 20], [0, 0], [80, 120], [79.9, 0.1]])
+@pytest.mark.parametrize("width", [0.01, 1, 2, 3])
+def test_one_point_is_a_dot_of_any_width(tmp_path, place, width):
+    file = write(tmp_path / "s.json", [{"label": "tree", "width": width, "points": [place]}])
+    rows, columns = np.nonzero(read_scribbles(file, PHOTO))
+    assert 1 <= len(rows) <= 9
+    assert np.abs(rows + 0.5 - place[1] / 2).max() <= 1.5
+    assert np.abs(columns + 0.5 - place[0] / 2).max() <= 1.5
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
@@ -78,6 +88,12 @@ def test_json_is_in_pixels_of_the_original(tmp_path):
         ('{"strokes": [{"label": "tree", "points": []}]}', "needs points"),
         ('{"strokes": [{"label": "tree", "points": [[1, NaN]]}]}', "needs points"),
         ('{"strokes": [{"label": "tree", "points": [[1, 2, 3]]}]}', "needs points"),
+        ('{"strokes": [{"label": "tree", "points": [[1, 1' + "0" * 400 + "]]}]}", "needs points"),
+        (
+            '{"strokes": [{"label": "tree", "width": 1' + "0" * 400 + ', "points": [[1, 2]]}]}',
+            "needs a width",
+        ),
+        ('{"strokes": [{"label": "tree", "points": [[1' + "0" * 300 + ", 2]]}]}", "must touch the photo"),
         ('{"strokes": [{"label": "tree", "points": [[500, 2], [600, 9]]}]}', "must touch the photo"),
         ('{"strokes": [{"label": "tree", "points": [[1e300, 2]]}]}', "must touch the photo"),
     ],
@@ -102,7 +118,7 @@ def test_bad_pictures_are_refused(tmp_path):
 
 
 JUNK = st.recursive(
-    st.none() | st.booleans() | st.floats() | st.text(max_size=4),
+    st.none() | st.booleans() | st.floats() | st.integers(-(10**400), 10**400) | st.text(max_size=4),
     lambda inner: (
         st.lists(inner, max_size=3)
         | st.dictionaries(st.sampled_from(["label", "width", "points", "strokes", "x"]), inner, max_size=4)
