@@ -53,9 +53,12 @@ def array(
         high: largest value allowed.
 
     Raises:
-        InputError: wrong number of axes or length, NaN or infinity, a value out of range.
+        InputError: no array, wrong number of axes or length, NaN or infinity, a value out of range.
     """
-    result = np.asarray(value)
+    try:
+        result = np.asarray(value)
+    except ValueError:
+        fail(thing, "must be an array", "rows of different lengths", "pass rows of one length")
     fits = result.ndim == len(shape) and all(
         n is None or n == m for n, m in zip(shape, result.shape, strict=True)
     )
