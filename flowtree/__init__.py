@@ -24,6 +24,7 @@ _PUBLIC = {
     "StageCache": "flowtree.pipeline.cache",
     "TreeMesh": "flowtree.model.mesh",
     "TreeModel": "flowtree.model.tree",
+    "ViewMarks": "flowtree.model.marks",
     "export_skeleton": "flowtree.export.export_skeleton",
     "export_tree": "flowtree.export.export_tree",
     "load_params": "flowtree.configuration",
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
     from flowtree.model.camera import Camera as Camera
     from flowtree.model.field import DirectionField as DirectionField
     from flowtree.model.foliage import Foliage as Foliage
+    from flowtree.model.marks import ViewMarks as ViewMarks
     from flowtree.model.matte import Matte as Matte
     from flowtree.model.mesh import TreeMesh as TreeMesh
     from flowtree.model.photo import Photo as Photo

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import warnings
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from flowtree import check
 from flowtree.attraction.parse_svg_lines import parse_svg_lines
 from flowtree.attraction.trace_drawn_pixels import trace_drawn_pixels
 from flowtree.geometry.polylines import drop_repeats
+from flowtree.model.marks import ViewMarks
 from flowtree.model.photo import Photo
 
 _LARGEST_FILE = 64_000_000  # bytes
@@ -23,6 +25,7 @@ _MOST_DRAWN = 0.3  # share of a picture: more is no drawing of lines
 _ASPECT = 0.02  # how far a drawing's aspect may differ from the photo's
 _FARTHEST = 1e9  # pixels; also refuses NaN, infinity and whole numbers no float can hold
 _STROKES = '{"strokes": [{"points": [[x, y], …]}, …]}'
+_MARKS = tuple(field.name for field in fields(ViewMarks))
 
 _Lines = list[NDArray[np.float64]]
 
@@ -32,14 +35,16 @@ def read_strokes(path: str | Path, photo: Photo) -> tuple[NDArray[np.float32], .
 
     SVG: path, polyline, polygon and line elements with all transforms. A viewBox is mapped to the picture;
     without one the units are pixels of the upright original photo. JSON: ``{"strokes": [{"points": [[x, y],
-    …]}, …]}`` or bare ``[[[x, y], …], …]`` in those pixels. PNG: of the photo's aspect, any size; opaque
-    pixels on a transparent or coloured and dark ones on a white ground, thinned to lines.
+    …]}, …]}`` or bare ``[[[x, y], …], …]`` in those pixels; the first form may hold marks (`ViewMarks`)
+    beside the strokes or instead of them. PNG: of the photo's aspect, any size; opaque pixels on a
+    transparent or coloured and dark ones on a white ground, thinned to lines.
 
     Args:
         path: the file.
         photo: the photo it belongs to.
 
-    Returns: polylines (k, 2) float32 as (x, y) [working pixels], k >= 2, none wholly outside the picture.
+    Returns: polylines (k, 2) float32 as (x, y) [working pixels], k >= 2, none wholly outside the picture;
+        nothing for a JSON file of marks alone.
 
     Raises:
         InputError: no such file, another ending, malformed, without a stroke, a stroke wholly outside.
@@ -52,7 +57,10 @@ def read_strokes(path: str | Path, photo: Photo) -> tuple[NDArray[np.float32], .
     check.require(file.is_file(), file.name, "must be a file of strokes", "no such file", "check the path")
     size = file.stat().st_size
     check.require(size <= _LARGEST_FILE, file.name, "must be under 64 MB", f"{size} bytes", "draw less")
-    lines = [drop_repeats(line * photo.scale) for line in readers[ending](file, photo)]
+    drawn = readers[ending](file, photo)
+    if drawn is None:
+        return ()
+    lines = [drop_repeats(line * photo.scale) for line in drawn]
     lines = [line for line in lines if len(line) > 1]
     check.require(len(lines) > 0, file.name, "needs at least one stroke", "none", "draw a line")
     high, wide = photo.rgb.shape[:2]
@@ -81,13 +89,18 @@ def _read_svg(file: Path, photo: Photo) -> _Lines:
     return [(line - box[:2]) * stretch for line in lines]
 
 
-def _read_json(file: Path, photo: Photo) -> _Lines:
+def _read_json(file: Path, photo: Photo) -> _Lines | None:
+    """The lines, or None for a file of marks alone."""
     del photo  # the points are in its pixels already
     try:
         content = json.loads(file.read_text(encoding="utf-8-sig"))
     except (ValueError, RecursionError) as error:
         check.fail(file.name, "must be JSON", f"something else ({error})", f"write {_STROKES}")
     strokes: Any = content.get("strokes") if isinstance(content, dict) else content
+    if strokes in (None, []) and isinstance(content, dict):
+        marked = any(content.get(mark) not in (None, []) for mark in _MARKS)
+        if marked:
+            return None
     listed = isinstance(strokes, list)
     kind = type(strokes).__name__
     check.require(listed, file.name, "must hold a list of strokes", kind, f"write {_STROKES}")

@@ -56,7 +56,7 @@ def trace_attractor_graph(
         matte: of the same size.
         camera: of the view; only its foot and scale are used.
         strokes: polylines (k, 2) [working pixels] that become branches exactly as drawn. With
-            ``params.automatic`` off they (and ``seeds``) are the whole graph.
+            ``params.automatic`` off they and ``seeds``, where there are any, are the whole graph.
         seeds: (n, 2) [working pixels], besides the ``params.seed_count`` automatic ones.
         target: (x, y) [working pixels] of the stem's first fork, to which all paths lead; None is the foot.
         params: see `AttractionParams`.
@@ -66,15 +66,23 @@ def trace_attractor_graph(
 
     Raises:
         InputError: an empty matte, a size that differs from the photo's, a stroke of one point, seeds or
-        target
-            outside the picture, NaN, nothing to trace at all.
+            target outside the picture, a target not above the foot, NaN, nothing to trace at all.
     """
     lines = [_line(stroke, k) for k, stroke in enumerate(strokes)]
     given = _inside(np.zeros((0, 2)) if seeds is None else seeds, camera, "seeds")
     fork = None if target is None else _inside([target], camera, "target")[0]
-    automatic = params.seed_count if params.automatic or not lines else 0
+    if fork is not None:
+        check.require(
+            fork[1] < camera.foot[1],
+            "target",
+            f"must lie above the foot (row {camera.foot[1]:g})",
+            f"a first fork in row {fork[1]:g}",
+            "give another, or the foot, too",
+        )
+    by_hand = bool(lines) or len(given) > 0
+    automatic = params.seed_count if params.automatic or not by_hand else 0
     check.require(
-        bool(lines) or len(given) > 0 or automatic > 0,
+        by_hand or automatic > 0,
         "seeds",
         "need at least one seed or stroke",
         "none",

@@ -74,6 +74,7 @@ def reconstruct(
     seed: int = 0,
     mattes: PerPhoto = None,
     strokes: PerPhoto = None,
+    marks: PerPhoto = None,
     trimaps: PerPhoto = None,
     scribbles: PerPhoto = None,
     paint: PerPhoto = None,
@@ -95,6 +96,8 @@ def reconstruct(
         seed: other seeds give similar, different trees.
         mattes: made elsewhere: pictures or arrays (h, w) in 0..1 of the working size, used as they are.
         strokes: drawn branches, as optional attractors.
+        marks: foot, top, first fork and seeds: `ViewMarks`, in working pixels, or a JSON file; left out,
+            those that lie beside a photo's strokes where these are a JSON file.
         trimaps: what is tree, background and unknown.
         scribbles: strokes on tree and background.
         paint: painted edits.
@@ -120,21 +123,26 @@ def reconstruct(
     turns = choose_yaws(count, yaws)
     metres = _DEFAULT_HEIGHT if height is None else height
     check.require(
-        isinstance(metres, int | float) and 0.01 <= metres <= _HIGHEST,
+        isinstance(metres, int | float) and not isinstance(metres, bool) and 0.01 <= metres <= _HIGHEST,
         "height",
         f"must be 0.01 to {_HIGHEST:g} metres",
         repr(metres),
         "give the tree's height in metres",
     )
-    whole = isinstance(seed, int) and 0 <= seed < 2**63
+    whole = isinstance(seed, int) and not isinstance(seed, bool) and 0 <= seed < 2**63
     check.require(whole, "seed", "must be a whole number from 0", repr(seed), "give another")
     views = len(turns)
+    drawn = _per_photo(strokes, count, "strokes")
     given = {
         "photo_source": [photo if isinstance(photo, Photo) else Path(photo) for photo in photos],
         "matte_source": _per_photo(mattes, count, "mattes"),
         "trimap_source": _per_photo(trimaps, count, "trimaps"),
         "scribbles_source": _per_photo(scribbles, count, "scribbles"),
-        "strokes_source": _per_photo(strokes, count, "strokes"),
+        "strokes_source": drawn,
+        "marks_source": [
+            _same_json(lines) if given_marks is None else given_marks
+            for lines, given_marks in zip(drawn, _per_photo(marks, count, "marks"), strict=True)
+        ],
         "paint_source": _per_photo(paint, count, "paint"),
     }
     bark, leaf = params.meshing.bark, params.leaves.picture
@@ -190,6 +198,11 @@ def _per_photo(values: PerPhoto, count: int, name: str) -> list[Any]:
         )
         entries[photo] = Path(value) if isinstance(value, str | PathLike) else value
     return entries
+
+
+def _same_json(strokes: Any) -> Path | None:
+    """The file of strokes, if it is of the kind that may hold marks, too."""
+    return strokes if isinstance(strokes, Path) and strokes.suffix.lower() == ".json" else None
 
 
 def _warnings(photos: Sequence[Path | Photo], height: float | None) -> list[str]:

@@ -36,6 +36,7 @@ from flowtree.model.camera import Camera
 from flowtree.model.edit import PaintedEdit
 from flowtree.model.field import DirectionField
 from flowtree.model.foliage import Foliage
+from flowtree.model.marks import ViewMarks
 from flowtree.model.matte import Matte
 from flowtree.model.mesh import Material, TreeMesh
 from flowtree.model.photo import Photo
@@ -43,9 +44,12 @@ from flowtree.model.skeleton import Skeleton
 from flowtree.model.traces import FlowTraces
 from flowtree.model.tree import TreeModel
 from flowtree.model.volume import DensityVolume
+from flowtree.photos.check_marks import check_marks
 from flowtree.photos.frame_view import frame_view
 from flowtree.photos.load_photo import load_photo
+from flowtree.photos.mirror_marks import mirror_marks
 from flowtree.photos.mirror_photo import mirror_photo
+from flowtree.photos.read_marks import read_marks
 from flowtree.photos.read_painted_edit import read_painted_edit
 from flowtree.photos.read_scribbles import read_scribbles
 from flowtree.photos.read_trimap import read_trimap
@@ -78,6 +82,23 @@ def _given_alpha(job: Job, photo: Photo, matte: Path | NDArray[np.float32]) -> N
     return check.array(alpha, thing, shape=photo.rgb.shape[:2], low=0.0, high=1.0)
 
 
+def run_strokes(job: Job, photo: Photo, strokes: Path | Polylines | None, mirrored: bool) -> Polylines:
+    """The drawn branches of one view."""
+    del job
+    lines = read_strokes(strokes, photo) if isinstance(strokes, Path) else tuple(strokes or ())
+    return tuple(_flip_line(line, photo.rgb.shape[1]) for line in lines) if mirrored else lines
+
+
+def run_marks(job: Job, photo: Photo, given: Path | ViewMarks | None, mirrored: bool) -> ViewMarks:
+    """What a person pointed at in one view."""
+    del job
+    if isinstance(given, Path):
+        marks = read_marks(given, photo)
+    else:
+        marks = ViewMarks() if given is None else check_marks(given, photo, name=f"marks of {photo.name}")
+    return mirror_marks(marks, photo.rgb.shape[1]) if mirrored else marks
+
+
 def run_matting(job: Job, photo: Photo, trimap: Any, scribbles: Any) -> Matte:
     """One alpha matte, steered by what is given."""
     if isinstance(trimap, Path):
@@ -88,23 +109,17 @@ def run_matting(job: Job, photo: Photo, trimap: Any, scribbles: Any) -> Matte:
 
 
 def run_painting(
-    job: Job,
-    photo: Photo,
-    matte: Matte,
-    paint: Path | PaintedEdit | None,
-    strokes: Path | Polylines | None,
-    mirrored: bool,
-) -> tuple[Photo, Matte, PaintedEdit, Polylines]:
-    """Applies what a person drew; a mirrored view is mirrored here, with everything drawn on its photo."""
+    job: Job, photo: Photo, matte: Matte, paint: Path | PaintedEdit | None, mirrored: bool
+) -> tuple[Photo, Matte, PaintedEdit]:
+    """Applies what a person painted; a mirrored view is mirrored here, with all that is painted on it."""
     edit = (
         read_painted_edit(paint, photo, params=job.params.photos)
         if isinstance(paint, Path)
         else paint or PaintedEdit()
     )
-    lines = read_strokes(strokes, photo) if isinstance(strokes, Path) else tuple(strokes or ())
     painted = paint_matte(matte, edit)
     if not mirrored:
-        return photo, painted, edit, lines
+        return photo, painted, edit
     width = photo.rgb.shape[1]
     flipped = PaintedEdit(
         add=_flip(edit.add),
@@ -113,7 +128,7 @@ def run_painting(
         reach=edit.reach,
     )
     painted = replace(painted, alpha=_flip(painted.alpha), foreground=_flip(painted.foreground))
-    return mirror_photo(photo), painted, flipped, tuple(_flip_line(line, width) for line in lines)
+    return mirror_photo(photo), painted, flipped
 
 
 def _flip(picture: Any) -> Any:
@@ -124,10 +139,10 @@ def _flip_line(line: NDArray[np.float32], width: int) -> NDArray[np.float32]:
     return np.stack([np.float32(width) - line[:, 0], line[:, 1]], axis=1)
 
 
-def run_framing(job: Job, matte: Matte, yaw: float, height: float) -> Camera:
-    """One camera: the matte's foot and top set the scale."""
+def run_framing(job: Job, matte: Matte, marks: ViewMarks, yaw: float, height: float) -> Camera:
+    """One camera: foot and top, given or the matte's, set the scale."""
     del job
-    return frame_view(matte, yaw=yaw, height=height)
+    return frame_view(matte, yaw=yaw, height=height, foot=marks.foot, top=marks.top)
 
 
 def run_density(job: Job, mattes: tuple[Matte, ...], cameras: tuple[Camera, ...]) -> DensityVolume:
@@ -136,11 +151,19 @@ def run_density(job: Job, mattes: tuple[Matte, ...], cameras: tuple[Camera, ...]
 
 
 def run_attraction(
-    job: Job, photo: Photo, matte: Matte, camera: Camera, strokes: Polylines
+    job: Job, photo: Photo, matte: Matte, camera: Camera, strokes: Polylines, marks: ViewMarks
 ) -> AttractorGraph:
-    """The attractor graph of one view."""
-    params = job.params.attraction
-    return trace_attractor_graph(photo, matte, camera, strokes=strokes, params=params, seed=job.seed)
+    """The attractor graph of one view, steered by what was drawn and pointed at."""
+    return trace_attractor_graph(
+        photo,
+        matte,
+        camera,
+        strokes=strokes,
+        seeds=marks.seeds,
+        target=marks.fork,
+        params=job.params.attraction,
+        seed=job.seed,
+    )
 
 
 def run_fields(job: Job, graph: AttractorGraph, camera: Camera, edit: PaintedEdit) -> DirectionField:

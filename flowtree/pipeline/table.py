@@ -1,8 +1,8 @@
 """The ordered table of stages, from photographs to a finished tree.
 
 Sources, one entry a view: ``photo_source`` (a file or a `Photo`), ``matte_source``, ``trimap_source``,
-``scribbles_source``, ``strokes_source``, ``paint_source`` (a file, what reading it gives, or None),
-``mirrored`` (whether the view is its photo's mirror image), ``yaw`` [degrees], ``height`` [m].
+``scribbles_source``, ``strokes_source``, ``marks_source``, ``paint_source`` (a file, what reading it gives,
+or None), ``mirrored`` (whether the view is its photo's mirror image), ``yaw`` [degrees], ``height`` [m].
 One for all: ``bark_source`` and ``leaf_source`` (a picture or None).
 """
 
@@ -22,6 +22,22 @@ STAGES: tuple[Stage, ...] = (
         share=0.1,
     ),
     Stage(
+        name="strokes",
+        run=steps.run_strokes,
+        inputs=("raw_photo", "strokes_source", "mirrored"),
+        outputs=("strokes",),
+        each_view=True,
+        share=0.01,
+    ),
+    Stage(
+        name="marks",
+        run=steps.run_marks,
+        inputs=("raw_photo", "marks_source", "mirrored"),
+        outputs=("marks",),
+        each_view=True,
+        share=0.01,
+    ),
+    Stage(
         name="matting",
         run=steps.run_matting,
         inputs=("raw_photo", "trimap_source", "scribbles_source"),
@@ -33,8 +49,8 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="painting",
         run=steps.run_painting,
-        inputs=("raw_photo", "raw_matte", "paint_source", "strokes_source", "mirrored"),
-        outputs=("photos", "mattes", "edits", "strokes"),
+        inputs=("raw_photo", "raw_matte", "paint_source", "mirrored"),
+        outputs=("photos", "mattes", "edits"),
         params=("photos",),
         each_view=True,
         share=0.02,
@@ -42,7 +58,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="framing",
         run=steps.run_framing,
-        inputs=("mattes", "yaw", "height"),
+        inputs=("mattes", "marks", "yaw", "height"),
         outputs=("cameras",),
         each_view=True,
         share=0.02,
@@ -58,7 +74,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="attraction",
         run=steps.run_attraction,
-        inputs=("photos", "mattes", "cameras", "strokes"),
+        inputs=("photos", "mattes", "cameras", "strokes", "marks"),
         outputs=("graphs",),
         params=("attraction",),
         each_view=True,

@@ -19,7 +19,7 @@ from flowtree.pipeline.build_report import report_bytes
 from flowtree.pipeline.cache import StageCache
 from flowtree.pipeline.reconstruct import reconstruct
 from flowtree.pipeline.stage import Job
-from flowtree.pipeline.steps import run_painting
+from flowtree.pipeline.steps import run_painting, run_strokes
 from flowtree.pipeline.table import STAGES
 from tests.pictures import draw_tree, save_pair
 
@@ -121,11 +121,12 @@ def test_a_mirrored_view_takes_everything_drawn_with_it(made):
     )
     stroke = np.array([[80.0, 190.0], [100.0, 20.0]], np.float32)
     job = Job(SMALL, 0, "cpu")
-    plain = run_painting(job, photo, matte, edit, (stroke,), False)
-    flipped = run_painting(job, photo, matte, edit, (stroke,), True)
+    plain = run_painting(job, photo, matte, edit, False)
+    flipped = run_painting(job, photo, matte, edit, True)
     assert np.array_equal(flipped[1].alpha, plain[1].alpha[:, ::-1])
     assert np.array_equal(flipped[2].add, add[:, ::-1])
-    for line, other in ((edit.directions[0], flipped[2].directions[0]), (stroke, flipped[3][0])):
+    (drawn,) = run_strokes(job, photo, (stroke,), True)
+    for line, other in ((edit.directions[0], flipped[2].directions[0]), (stroke, drawn)):
         assert np.allclose(other[:, 0], width - line[:, 0])
         assert np.array_equal(other[:, 1], line[:, 1])
 

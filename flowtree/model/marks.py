@@ -1,0 +1,25 @@
+"""Marks: what a person points at in one view."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class ViewMarks:
+    """Places in one view that are given instead of found, in pixels of its working picture.
+
+    Attributes:
+        foot: (x, y) [pixels] where the trunk leaves the ground; None is found in the matte.
+        top: row [pixels] where the crown ends; None is found in the matte.
+        fork: (x, y) [pixels] of the trunk's first fork, to which all attractor paths lead; None is the foot.
+        seeds: (k, 2) float32 (x, y) [pixels], tips of branches from which attractor paths start.
+    """
+
+    foot: tuple[float, float] | None = None
+    top: float | None = None
+    fork: tuple[float, float] | None = None
+    seeds: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 2), np.float32))
