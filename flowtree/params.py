@@ -248,7 +248,7 @@ class LeafParams(StageParams):
     bear: Literal["auto", "always", "never"] = _choice("auto", "whether the tree bears leaves")
     picture: str | None = _choice(None, "PNG of a leaf with alpha, its stalk's end at the bottom centre")
     size: float = _number(
-        0.016,
+        0.013,
         "mean length of a leaf; larger where the crown would need too many",
         gt=0,
         le=0.5,

@@ -6,8 +6,8 @@ import numpy as np
 
 from flowtree.model.volume import DensityVolume
 
-_FEWEST, _MOST = 200, 2000  # the paper: 500 to 2000, and trees are sparser than those
-_PER_DEPTH = 4000.0  # particles for a crown whose optical depth, over all of a view, is the height squared
+_FEWEST, _MOST = 600, 2500  # the paper has 500 to 2000
+_PER_DEPTH = 6000.0  # particles for a crown whose optical depth, over all of a view, is the height squared
 
 
 def count_particles(volume: DensityVolume) -> int:
