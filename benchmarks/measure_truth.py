@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from flowtree import check
 from flowtree.density.project_density import project_density
-from flowtree.device import pick_device
 from flowtree.export.write_glb import encode_glb
-from flowtree.meshing.close_seams import close_seams, is_watertight
+from flowtree.geometry.closed_surfaces import is_watertight
+from flowtree.meshing.close_seams import close_seams
 from flowtree.model.camera import Camera
+from flowtree.model.marks import ViewMarks
 from flowtree.model.photo import Photo
 from flowtree.model.skeleton import Skeleton
 from flowtree.model.traces import FlowTraces
@@ -23,9 +24,7 @@ from flowtree.model.tree import TreeModel
 from flowtree.model.volume import DensityVolume
 from flowtree.params import Params
 from flowtree.photos.load_photo import load_photo
-from flowtree.pipeline.run_stages import run_stages
-from flowtree.pipeline.stage import Job
-from flowtree.pipeline.table import STAGES
+from flowtree.pipeline.reconstruct import reconstruct
 from flowtree.render.render_mask import render_mask
 from flowtree.render.soft_iou import soft_iou
 
@@ -103,43 +102,42 @@ def load_truth(folder: Path) -> Truth:
 
 
 def measure_truth(truth: Truth, *, params: Params = Params(), seed: int = 0) -> Measured:
-    """Runs all stages on the exact mattes and cameras at `INPUTS`, and compares from every side.
+    """Makes a tree from the exact mattes at `INPUTS`, and compares it with the known one from every side.
 
-    The stage that finds cameras in mattes is left out: the true ones take its place, so that what is measured
-    is the tree and not how well its foot was found.
+    Foot and top are given, so that the cameras are the true ones and what is measured is the tree, not how
+    well its foot was found.
 
     Args:
         truth: the known tree.
         params: of all stages.
         seed: of the run.
     """
-    stages = [stage for stage in STAGES if stage.name != "framing"]
-    nothing = (None,) * len(INPUTS)
-    sources = {
-        "photo_source": tuple(truth.photos[yaw] for yaw in INPUTS),
-        **{f"{name}_source": nothing for name in ("matte", "trimap", "scribbles", "strokes", "paint")},
-        "mirrored": (False,) * len(INPUTS),
-        "cameras": tuple(truth.cameras[yaw] for yaw in INPUTS),
-        "height": (truth.height,) * len(INPUTS),
-        "bark_source": None,
-        "leaf_source": None,
-    }
-    job = Job(params=params, seed=seed, device=pick_device())
-    run = run_stages(stages, sources, job, views=len(INPUTS))
-    tree, volume = run.values["tree"], run.values["volume"]
+    made = reconstruct(
+        [truth.photos[yaw] for yaw in INPUTS],
+        yaws=INPUTS,
+        height=truth.height,
+        marks=[_ends(truth.cameras[yaw], truth.height) for yaw in INPUTS],
+        params=params,
+        seed=seed,
+    )
     return Measured(
-        tree=tree,
-        of_tree={yaw: _compare(truth, yaw, tree) for yaw in truth.cameras},
-        of_volume={yaw: _compare(truth, yaw, volume) for yaw in truth.cameras},
-        faults=tuple(_faults(tree, run.values["traces"])),
-        digest=hashlib.sha256(encode_glb(tree)).hexdigest()[:16],
-        seconds=sum(run.seconds.values()),
+        tree=made.tree,
+        of_tree={yaw: _compare(truth, yaw, made.tree) for yaw in truth.cameras},
+        of_volume={yaw: _compare(truth, yaw, made.volume) for yaw in truth.cameras},
+        faults=tuple(find_faults(made.tree, made.traces)),
+        digest=hashlib.sha256(encode_glb(made.tree)).hexdigest()[:16],
+        seconds=sum(made.report["seconds"].values()),
     )
 
 
 def mean_over(scores: dict[int, float], yaws: tuple[int, ...]) -> float:
     """Mean of the scores at some yaws."""
     return float(np.mean([scores[yaw] for yaw in yaws]))
+
+
+def _ends(camera: Camera, height: float) -> ViewMarks:
+    """Where foot and top are in a picture."""
+    return ViewMarks(foot=camera.foot, top=camera.foot[1] - height / camera.metres_per_pixel)
 
 
 def _compare(truth: Truth, yaw: int, made: TreeModel | DensityVolume) -> float:
@@ -153,7 +151,7 @@ def _compare(truth: Truth, yaw: int, made: TreeModel | DensityVolume) -> float:
     return soft_iou(seen, camera, alpha, camera, height=truth.height)
 
 
-def _faults(tree: TreeModel, traces: FlowTraces) -> list[str]:
+def find_faults(tree: TreeModel, traces: FlowTraces) -> list[str]:
     """Why a tree's scores would not count."""
     faults = []
     if not is_watertight(close_seams(tree.wood)[1]):
@@ -163,6 +161,8 @@ def _faults(tree: TreeModel, traces: FlowTraces) -> list[str]:
         count = np.arange(len(line.parent))
         if line.parent[0] != -1 or (line.parent[1:] < 0).any() or (line.parent[1:] >= count[1:]).any():
             faults.append(f"the {name} are no tree with one root")
+    if faults:
+        return faults
     arriving = np.bincount(traces.parent[1:], traces.particles[1:], len(traces.parent))
     if (arriving > traces.particles).any():
         faults.append("particles are lost on the way to the foot")

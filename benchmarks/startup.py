@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import subprocess
 import sys
 import sysconfig
 import tempfile
-import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import median
@@ -22,6 +22,17 @@ BOUNDS = {"help": 0.4, "cold": 25.0, "warm": 8.0, "memory": 1200.0}
 
 # What compiled code is kept by: Warp's kernels, and the loops that pymatting leaves to Numba.
 _CACHES = ("WARP_CACHE_PATH", "NUMBA_CACHE_DIR")
+
+# A process counts what its parent held until it was started to its own peak: the one that starts the command
+# must be small.
+_WATCH = """
+import json, resource, subprocess, sys, time
+start = time.perf_counter()
+done = subprocess.run(sys.argv[1:], stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+seconds = time.perf_counter() - start
+peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+print(json.dumps([done.returncode, seconds, peak, done.stdout.decode(errors="replace")]))
+"""
 
 
 class Spent(NamedTuple):
@@ -64,22 +75,15 @@ def spend(arguments: Sequence[str], environment: Mapping[str, str] | None = None
     """
     program = Path(sysconfig.get_path("scripts")) / "flowtree"
     check.require(program.is_file(), str(program), "must be installed", "no file", "pip install -e .")
-    start = time.perf_counter()
-    with tempfile.TemporaryFile() as said:
-        process = subprocess.Popen(
-            [str(program), *arguments],
-            env={**os.environ, **(environment or {})},
-            stdout=said,
-            stderr=subprocess.STDOUT,
-        )
-        # Waited for by hand: only so the memory of this child alone is known.
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        seconds = time.perf_counter() - start
-        said.seek(0)
-        last = said.read().decode(errors="replace").strip()[-300:]
-    check.require(process.returncode == 0, f"flowtree {arguments[0]}", "must succeed", last, "mend it")
-    return Spent(seconds, usage.ru_maxrss / (1e6 if sys.platform == "darwin" else 1e6 / 1024.0))
+    done = subprocess.run(
+        [sys.executable, "-c", _WATCH, str(program), *arguments],
+        env={**os.environ, **(environment or {})},
+        capture_output=True,
+        check=True,
+    )
+    code, seconds, peak, said = json.loads(done.stdout)
+    check.require(code == 0, f"flowtree {arguments[0]}", "must succeed", said.strip()[-300:], "mend it")
+    return Spent(seconds, peak / (1e6 if sys.platform == "darwin" else 1e6 / 1024.0))
 
 
 def _content(folder: Path) -> bytes:

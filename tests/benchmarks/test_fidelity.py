@@ -1,0 +1,166 @@
+"""The measure of fidelity: exact cameras, faults found, the same numbers each time."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from PIL import Image
+
+from benchmarks import fidelity
+from benchmarks.__main__ import run
+from benchmarks.measure_truth import HELD_OUT, INPUTS, find_faults, load_truth, measure_truth
+from flowtree.configuration import override_params
+from flowtree.errors import InputError
+from flowtree.geometry.projection import project
+from flowtree.meshing.sweep_rings import sweep_rings
+from flowtree.model.traces import FlowTraces
+from flowtree.params import Params
+from tests.pictures import draw_tree
+from tests.trees import hand_made_tree
+
+_SMALL = override_params(
+    Params(), ["density.resolution=20", "flow.particle_count=150", "attraction.grid_height=64"]
+)
+
+
+def save_truth(folder: Path, *, size: tuple[int, int] = (160, 200), alpha: bool = True) -> Path:
+    """A drawn tree in the form of the known ones: 6 m from the first row to the foot."""
+    folder.mkdir(parents=True)
+    views = []
+    for yaw in sorted(INPUTS + HELD_OUT):
+        picture = Image.fromarray(draw_tree(yaw, size=size))
+        picture.convert("RGBA" if alpha else "RGB").save(folder / f"ortho_{yaw:03}.png")
+        views.append(
+            {
+                "file": f"ortho_{yaw:03}.png",
+                "yaw": yaw,
+                "projection": "orthographic",
+                "metres_per_pixel": 6.0 / (size[1] - 6),
+                "foot_pixel": [size[0] / 2, size[1] - 6.0],
+            }
+        )
+    views.append({"file": "photo_0.jpg", "yaw": -4.4, "projection": "perspective"})
+    known = {"name": folder.name, "height": 6.0, "views": views}
+    (folder / "truth.json").write_text(json.dumps(known), encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("data")
+    save_truth(folder / "truth" / "drawn")
+    return folder
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """The whole measure, of few particles."""
+    monkeypatch.setattr(fidelity, "measure_truth", lambda truth: measure_truth(truth, params=_SMALL))
+
+
+@pytest.mark.usefixtures("small")
+def test_measures_draws_and_repeats_itself(data, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(fidelity, "TARGETS", {"inputs": 0.0, "held_out": 0.0})
+    first, second, folder = tmp_path / "1.json", tmp_path / "2.json", tmp_path / "pictures"
+    assert run(["fidelity", "--data", str(data), "--json", str(first), "-o", str(folder)]) == 0
+    said = capsys.readouterr().out
+    assert run(["fidelity", "--data", str(data), "--json", str(second), "--tree", "drawn"]) == 0
+    assert first.read_bytes() == second.read_bytes()
+    result = json.loads(first.read_text())
+    scores = result["trees"]["drawn"]["tree"]
+    for yaws, group in ((INPUTS, "inputs"), (HELD_OUT, "held_out")):
+        assert scores[group] == pytest.approx(np.mean([scores[f"yaw_{yaw}"] for yaw in yaws]), abs=1e-4)
+        assert f"{scores[group]:.3f}" in said
+    assert result["mean"]["tree"] == scores
+    assert scores["inputs"] > scores["held_out"], "the other sides are other drawings"
+    assert result["trees"]["drawn"]["faults"] == []
+    assert result["machine"] in said
+    with Image.open(folder / "drawn.png") as picture:
+        assert picture.width > picture.height
+
+
+@pytest.mark.usefixtures("small")
+def test_a_mean_below_its_bound_is_a_failure(data, monkeypatch, capsys):
+    monkeypatch.setattr(fidelity, "TARGETS", {"inputs": 0.0, "held_out": 0.999})
+    assert run(["fidelity", "--data", str(data)]) == 1
+    assert "not passed" in capsys.readouterr().out
+
+
+def test_a_tree_with_a_fault_is_a_failure(data, monkeypatch, capsys):
+    def broken(truth):
+        return dataclasses.replace(measure_truth(truth, params=_SMALL), faults=("a hole in it",))
+
+    monkeypatch.setattr(fidelity, "TARGETS", {"inputs": 0.0, "held_out": 0.0})
+    monkeypatch.setattr(fidelity, "measure_truth", broken)
+    assert run(["fidelity", "--data", str(data)]) == 1
+    assert "fidelity.drawn.fault a hole in it" in capsys.readouterr().out
+
+
+def test_missing_data_and_unknown_trees_get_one_line(data, tmp_path, capsys):
+    for arguments, words in (
+        (["--data", str(tmp_path / "nowhere")], "--data"),
+        (["--data", str(data), "--tree", "drown"], "did you mean 'drawn'?"),
+    ):
+        assert run(["fidelity", *arguments]) == 1
+        said = capsys.readouterr()
+        assert said.err.count("\n") == 1
+        assert words in said.err
+
+
+def test_a_picture_without_alpha_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"ortho_000\.png: needs an alpha channel"):
+        load_truth(save_truth(tmp_path / "opaque", alpha=False))
+
+
+@pytest.mark.parametrize("size", [(160, 200), (400, 1280)])
+def test_cameras_are_exact_also_in_scaled_pictures(tmp_path, size):
+    truth = load_truth(save_truth(tmp_path / "drawn", size=size))
+    assert sorted(truth.cameras) == sorted(INPUTS + HELD_OUT)
+    for yaw, camera in truth.cameras.items():
+        rows, columns = truth.alphas[yaw].shape
+        assert (camera.height, camera.width) == (rows, columns)
+        foot, top = project([[0.0, 0.0, 0.0], [0.0, truth.height, 0.0]], camera)
+        np.testing.assert_allclose(foot, [columns / 2, rows * (1.0 - 6.0 / size[1])], rtol=1e-6)
+        np.testing.assert_allclose(top, [columns / 2, 0.0], atol=1e-3)
+
+
+def _traces_of(tree):
+    skeleton = tree.skeleton
+    steps = np.arange(len(skeleton.parent), dtype=np.int32)
+    return FlowTraces(skeleton.parent, skeleton.points, skeleton.particles, steps)
+
+
+def test_a_sound_tree_has_no_fault_and_a_hole_is_one():
+    tree = hand_made_tree()
+    tree = dataclasses.replace(tree, wood=sweep_rings(tree.skeleton))
+    assert find_faults(tree, _traces_of(tree)) == []
+    torn = dataclasses.replace(tree.wood, triangles=tree.wood.triangles[1:])
+    assert find_faults(dataclasses.replace(tree, wood=torn), _traces_of(tree)) == [
+        "the wood is not watertight"
+    ]
+
+
+@settings(deadline=None, max_examples=25)
+@given(st.data())
+def test_finds_every_loose_point_and_lost_particle(draw):
+    tree = hand_made_tree()
+    tree = dataclasses.replace(tree, wood=sweep_rings(tree.skeleton))
+    traces = _traces_of(tree)
+    count = len(traces.parent)
+    node = draw.draw(st.integers(1, count - 1))
+    parent = traces.parent.copy()
+    parent[node] = draw.draw(st.one_of(st.just(-1), st.integers(node, count - 1)))
+    assert "the traces are no tree with one root" in find_faults(
+        tree, dataclasses.replace(traces, parent=parent)
+    )
+    fewer = traces.particles.copy()
+    fewer[traces.parent[node]] = traces.particles[node] - 1
+    assert "particles are lost on the way to the foot" in find_faults(
+        tree, dataclasses.replace(traces, particles=fewer)
+    )
