@@ -11,6 +11,7 @@ from flowtree.geometry.parent_array import (
     levels,
     main_child,
     parents_first,
+    sum_before,
     sum_to_root,
 )
 
@@ -47,6 +48,7 @@ def test_each_equals_walking_the_tree(parent):
     for k, way in enumerate(ways):
         walked[way] += own[k]
     assert np.array_equal(sum_to_root(parent, own), walked)
+    assert sum_before(parent, own).tolist() == [own[way[1:]].sum() for way in ways]
     children = [np.flatnonzero(parent == k) for k in range(n)]
     assert child_count(parent).tolist() == [len(c) for c in children]
     weight = own % 5
