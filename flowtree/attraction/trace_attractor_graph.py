@@ -28,7 +28,8 @@ from flowtree.params import AttractionParams
 
 _CROWDED = 0.03  # of the height: an automatic seed this near to a drawn branch would only double it
 _STUB = 0.055  # of the height: shorter automatic branches are noise of the outline
-_BARRED = 10.0  # times dearer: the stem below a given first fork
+_BARRED = 10.0  # times dearer: beside the stem below a given first fork
+_CLOSED = 1e4  # times dearer: that stem itself, so that no other path joins it
 
 _Array = NDArray[np.float64]
 
@@ -58,7 +59,8 @@ def trace_attractor_graph(
         strokes: polylines (k, 2) [working pixels] that become branches exactly as drawn. With
             ``params.automatic`` off they and ``seeds``, where there are any, are the whole graph.
         seeds: (n, 2) [working pixels], besides the ``params.seed_count`` automatic ones.
-        target: (x, y) [working pixels] of the stem's first fork, to which all paths lead; None is the foot.
+        target: (x, y) [working pixels] of the stem's first fork, to which all paths lead; the stem from the
+            foot passes exactly through it. None is the foot.
         params: see `AttractionParams`.
         seed: of the random seeds and the disturbance; same seed, same bytes.
 
@@ -98,8 +100,9 @@ def trace_attractor_graph(
     cost = weigh_structures(grid, crown, rng)
     goal = root
     if fork is not None:
-        goal = tree.cell_of(grid.to_cells(fork[None, :])[0])
-        cost = _raise_stem(tree, cost, root, goal, grid.tall)
+        place = grid.to_cells(fork[None, :])[0]
+        goal = tree.cell_of(place)
+        cost = _raise_stem(tree, cost, root, place, grid.tall)
     attach_strokes(tree, cost, [grid.to_cells(line) for line in lines], tall=grid.tall)
     found = choose_seeds(grid, crown, count=automatic, mode=params.seed_mode, rng=rng)
     found = _away_from_strokes(found, tree, _CROWDED * grid.tall)
@@ -150,20 +153,22 @@ def _limb_count(crown: CrownOutline) -> int:
     return 1 if crown.narrowness > 0.5 else 4
 
 
-def _raise_stem(
-    tree: GrowingTree, cost: _Array, root: tuple[int, int], goal: tuple[int, int], tall: float
-) -> _Array:
+def _raise_stem(tree: GrowingTree, cost: _Array, root: tuple[int, int], fork: _Array, tall: float) -> _Array:
     """Joins the first fork to the foot and returns the costs that keep other paths off this stem."""
+    goal = tree.cell_of(fork)
     search = MCP_Geometric(cost)
     search.find_costs([root], [goal])
     path = search.traceback(goal)
-    tree.add_path(path)
+    node = tree.add_path(path[:-1])
+    if goal != root:
+        tree.add(node, fork, drawn=True)
     stem = np.zeros(cost.shape, np.bool_)
     stem[tuple(np.array(path).T)] = True
     rows, columns = np.indices(cost.shape)
     from_fork = np.hypot(rows - goal[0], columns - goal[1])
     near = (ndimage.distance_transform_edt(~stem) < 0.03 * tall) & (from_fork > 0.03 * tall)
-    return np.where(near, _BARRED * cost, cost)
+    stem[goal] = False
+    return np.where(stem, _CLOSED, np.where(near, _BARRED, 1.0)) * cost
 
 
 def _away_from_strokes(seeds: NDArray[np.intp], tree: GrowingTree, apart: float) -> NDArray[np.intp]:

@@ -31,7 +31,11 @@ def reconstruct(
         int | None, typer.Option(help="Another seed, a similar, different tree.", show_default="0")
     ] = None,
     strokes: Annotated[
-        list[str] | None, typer.Option(help=f"Drawn branches: .svg, .json or .png. {_PER_PHOTO}")
+        list[str] | None,
+        typer.Option(
+            help="Drawn branches: .svg, .json or .png; a .json may also say where foot, top, first fork and "
+            f"branch tips are. {_PER_PHOTO}"
+        ),
     ] = None,
     trimap: Annotated[
         list[str] | None, typer.Option(help=f"White tree, black background, grey unknown. {_PER_PHOTO}")

@@ -23,7 +23,7 @@ class Project:
         seed: of all random choices.
         params: of all stages.
         mattes: by the photo's number: a matte made elsewhere.
-        strokes: by the photo's number: drawn branches.
+        strokes: by the photo's number: drawn branches and marks.
         trimaps: by the photo's number.
         scribbles: by the photo's number.
         paint: by the photo's number: a painted edit.

@@ -59,6 +59,20 @@ def test_both_kinds_of_json(tmp_path):
     assert a.tolist() == b.tolist() == [[5, 10], [15, 20.25]]
 
 
+@pytest.mark.parametrize(
+    "content",
+    [{"foot": [1, 2]}, {"strokes": [], "top": 3}, {"strokes": None, "seeds": [[1, 2]]}, {"fork": "wrong"}],
+)
+def test_json_of_marks_alone_has_no_strokes(tmp_path, content):
+    assert read(tmp_path, json.dumps(content), "a.json") == ()
+
+
+def test_marks_beside_strokes_change_nothing(tmp_path):
+    content = {"strokes": [{"points": [[10, 20], [30, 40]]}], "foot": [9, 9]}
+    (line,) = read(tmp_path, json.dumps(content), "a.json")
+    assert line.tolist() == [[5, 10], [15, 20]]
+
+
 @pytest.mark.parametrize("ground", [(255, 255, 255, 255), (0, 0, 0, 0)])
 def test_png_becomes_the_lines_that_were_drawn(tmp_path, ground):
     picture = Image.new("RGBA", (400, 200), ground)
@@ -108,6 +122,9 @@ BOMB = '<!DOCTYPE svg [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;">]><svg><text>&b;
         ("a.json", "[" * 100_000, "JSON"),
         ("a.json", "{}", "list of strokes"),
         ("a.json", "[]", "at least one stroke"),
+        ("a.json", '{"foot": null, "seeds": []}', "list of strokes"),
+        ("a.json", '{"strokes": [], "seeds": []}', "at least one stroke"),
+        ("a.json", '{"strokes": 3, "foot": [1, 2]}', "list of strokes"),
         ("a.json", "[[[1, 2]]]", "two points"),
         ("a.json", "[[[1, 2], [NaN, 3]]]", "two points"),
         ("a.json", "[[[1, 2], [1" + "0" * 400 + ", 3]]]", "two points"),

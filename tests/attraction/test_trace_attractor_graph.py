@@ -90,6 +90,13 @@ def test_seeds_by_hand_are_tips():
     assert distance_to(pixels_to_plane(seeds, camera), graph).max() < 0.1
 
 
+def test_seeds_by_hand_are_the_whole_graph_where_the_automatic_one_is_off():
+    photo, matte, camera = scene(lollipop())
+    seeds = np.array([[60.0, 60.0], [150.0, 100.0]])
+    graph = trace_attractor_graph(photo, matte, camera, seeds=seeds, params=AttractionParams(automatic=False))
+    assert len(tips(graph)) == 2
+
+
 def test_paths_lead_to_the_given_fork():
     photo, matte, camera = scene(lollipop())
     target = (105.0, 130.0)
@@ -98,6 +105,22 @@ def test_paths_lead_to_the_given_fork():
     place = pixels_to_plane([target], camera)[0]
     assert distance_to(place[None], graph)[0] < 0.1
     assert graph.points[first_fork(graph), 1] > place[1] - 0.4
+
+
+@pytest.mark.parametrize("make", [lollipop, spire, bare])
+@pytest.mark.parametrize("target", [(105.0, 130.0), (88.3, 170.2), (80.0, 60.0), (99.0, 225.0)])
+def test_the_stem_passes_exactly_through_the_given_fork(make, target):
+    """Even where it lies beside the trunk: no branch leaves the stem before."""
+    photo, matte, camera = scene(make())
+    graph = trace_attractor_graph(photo, matte, camera, target=target)
+    place = pixels_to_plane([target], camera)[0]
+    node = int(np.linalg.norm(graph.points - place, axis=1).argmin())
+    assert np.allclose(graph.points[node], place, atol=1e-4)
+    children = np.bincount(graph.parent[1:], minlength=len(graph.parent))
+    assert children[node] >= 1, "branches leave from there"
+    while node > 0:
+        node = int(graph.parent[node])
+        assert children[node] == 1
 
 
 def test_strokes_alone_are_the_graph_exactly_as_drawn():
@@ -143,6 +166,7 @@ def test_a_stroke_far_from_everything_is_connected():
         ({"seeds": [[500.0, 10.0]]}, "inside the picture"),
         ({"seeds": [[np.nan, 10.0]]}, "finite"),
         ({"target": (-4.0, 3.0)}, "inside the picture"),
+        ({"target": (24.0, 63.5)}, "above the foot"),
         ({"strokes": [[[3.0, 3.0], [3.0, 3.0]]]}, "two different points"),
         ({"strokes": [[[3.0, np.inf], [3.0, 3.0]]]}, "finite"),
         ({"params": AttractionParams(seed_count=0)}, "at least one seed"),

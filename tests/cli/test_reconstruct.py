@@ -70,6 +70,24 @@ def test_a_project_makes_the_same_tree_again(flowtree, tmp_path):
     assert (tmp_path / "first.glb").read_bytes() != (tmp_path / "other.glb").read_bytes()
 
 
+def test_what_was_pointed_at_reaches_the_tree_and_the_project(flowtree, tmp_path):
+    front, side = save_pair(tmp_path)
+    (tmp_path / "marks.json").write_text('{"foot": [82, 190], "top": 10, "fork": [80, 150]}')
+    first = flowtree(
+        *("reconstruct", front, side, "-o", "first.glb", "--height", 6, *SMALL, "--report", "first.json"),
+        *("--strokes", "marks.json", "--project", "oak"),
+    )
+    assert first.code == 0, first.err
+    view = json.loads((tmp_path / "first.json").read_text())["views"][0]["matte"]
+    assert view["foot_pixel"] == [82.0, 190.0]
+    assert view["metres_per_pixel"] == 6.0 / 180.0
+    for file in (front, side, tmp_path / "marks.json"):
+        file.unlink()
+    again = flowtree("reconstruct", "--project", "oak", "-o", "again.glb")
+    assert again.code == 0, again.err
+    assert (tmp_path / "first.glb").read_bytes() == (tmp_path / "again.glb").read_bytes()
+
+
 def test_ctrl_c_leaves_what_was_there(flowtree, tmp_path, monkeypatch):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
@@ -167,6 +185,12 @@ def test_a_full_disk_leaves_the_old_tree(flowtree, tmp_path, monkeypatch):
         ("--strokes", "bad.svg", "<svg><path d='M 0 0 L"),
         ("--strokes", "bad.json", "{"),
         ("--strokes", "outside.json", '{"strokes": [{"points": [[-900, -900], [-800, -800]]}]}'),
+        ("--strokes", "neither.json", "{}"),
+        ("--strokes", "foot.json", '{"foot": [80, 900]}'),
+        ("--strokes", "foot.json", '{"foot": "below"}'),
+        ("--strokes", "top.json", '{"top": 190, "foot": [80, 20]}'),
+        ("--strokes", "seeds.json", '{"seeds": [[1, 2], [3]]}'),
+        ("--strokes", "name.json", '{"forks": [80, 100], "top": 9}'),
         ("--strokes", "strokes.txt", "M 0 0"),
         ("--strokes", "missing.svg", None),
         ("--scribbles", "bad.json", '{"strokes": 7}'),
