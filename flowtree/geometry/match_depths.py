@@ -23,13 +23,15 @@ def match_depths(
     The multiplicative algebraic reconstruction technique, with a lid at 1: in turn for each view, a thing's
     share is multiplied by the ratio of wanted to present depth in the cells that it covers (their mean,
     weighted by how much it covers), so what is in the way of an empty cell goes and what fills a thin one
-    stays. From a uniform start it tends to the solution of maximum entropy.
+    stays. From a uniform start it tends to the solution of maximum entropy. Where views disagree the shares
+    end up going to and fro between what one view wants and what the next does: the mean of the last round is
+    fair to all of them.
 
     Args:
         matrices: one a view, (cells, things), the depth that each thing gives each cell.
         targets: one a view, (cells,), the depth wanted there.
         weights: (things,) in 0..1, the shares to start from.
-        rounds: over all views.
+        rounds: over all views, at least 1.
 
     Returns: (things,) in 0..1.
     """
@@ -37,11 +39,13 @@ def match_depths(
     covers = [np.maximum(np.asarray(m.sum(axis=0)).ravel(), _EMPTY) for m in matrices]
     turned = [m.T.tocsr() for m in matrices]
     for _ in range(rounds):
+        after = []
         for matrix, back, target, cover in zip(matrices, turned, targets, covers, strict=True):
             present = np.asarray(matrix @ shares).ravel()
             ratio = np.minimum(target / np.maximum(present, _EMPTY), 8.0)
             shares = np.minimum(shares * (np.asarray(back @ ratio).ravel() / cover), 1.0)
-    return shares
+            after.append(shares)
+    return np.asarray(np.mean(after, axis=0))
 
 
 def draw_shares(shares: NDArray[np.float64], *, seed: int) -> NDArray[np.bool_]:

@@ -21,7 +21,7 @@ def views(rng, cells=12, things=80, count=2):
 @settings(max_examples=25, deadline=None)
 @given(seed=st.integers(0, 10_000))
 def test_targets_that_can_be_met_are_met(seed):
-    """But for a few percent: means of ratios may come to rest between two views."""
+    """But for a few percent, by which the shares may go to and fro between two views."""
     rng = np.random.default_rng(seed)
     matrices = views(rng)
     hidden = rng.uniform(0.1, 0.7, 80)
@@ -30,7 +30,19 @@ def test_targets_that_can_be_met_are_met(seed):
     assert (shares >= 0).all()
     assert (shares <= 1).all()
     for matrix, target in zip(matrices, targets, strict=True):
-        assert np.abs(matrix @ shares - target).sum() < 0.08 * target.sum()
+        assert np.abs(matrix @ shares - target).sum() < 0.05 * target.sum()
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 10_000))
+def test_no_view_has_the_last_word(seed):
+    rng = np.random.default_rng(seed)
+    matrices = views(rng)
+    targets = [m @ rng.uniform(0.0, 1.0, 80) for m in matrices]
+    there = match_depths(matrices, targets, np.full(80, 0.3), rounds=100)
+    back = match_depths(matrices[::-1], targets[::-1], np.full(80, 0.3), rounds=100)
+    last = np.abs(matrices[1] @ there - targets[1]).sum() - np.abs(matrices[1] @ back - targets[1]).sum()
+    assert abs(last) < 0.03 * targets[1].sum()
 
 
 @settings(max_examples=25, deadline=None)
