@@ -7,6 +7,9 @@ from numpy.typing import NDArray
 
 from flowtree.geometry.parent_array import levels, main_child, sum_to_root
 
+#: Radii of its limb that a side branch must be longer than: what is shorter is a stub.
+STUB = 4.0
+
 
 def prune_branches(
     parent: NDArray[np.int32],
@@ -25,7 +28,7 @@ def prune_branches(
         own: (n,) particles that set off at each node; those of a dropped branch are given to its fork.
         shortest: side branches shorter than this go [m].
         limb: rough radius of the trunk [m]; a limb of p of all P particles has ``limb * sqrt(p / P)``, and a
-            side branch must be longer than four times that, besides ``shortest``.
+            side branch must be longer than `STUB` times that, besides ``shortest``.
         longest_lone: a side branch of p particles longer than this times ``sqrt(p)`` goes [m]: what a stray
             particle left on its way alone is a wire, not a branch.
 
@@ -42,7 +45,7 @@ def prune_branches(
     above = np.maximum(parent, 0)
     side = (parent >= 0) & (carries_on[above] != np.arange(len(parent)))
     length = reach + segment
-    gone = side & ((length < shortest + 4 * radius[above]) | (length > longest_lone * np.sqrt(particles)))
+    gone = side & ((length < shortest + STUB * radius[above]) | (length > longest_lone * np.sqrt(particles)))
     home = np.arange(len(parent))  # the node that keeps a dropped node's particles
     for nodes in depth_levels[1:]:
         inherits = gone[parent[nodes]]
