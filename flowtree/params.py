@@ -208,10 +208,10 @@ class TwigParams(StageParams):
     divergence: float = _number(
         137.5, "angle around the branch from twig to twig; 90 and 180 occur too", ge=0, le=360, unit="degrees"
     )
-    angle: float = _number(48.0, "angle between branch and twig", ge=0, le=120, unit="degrees")
-    plagiotropism: float = _number(0.25, "how far twigs bend toward the horizontal", ge=0, le=1)
-    rigidity: float = _number(0.85, "1 stands stiff, 0 hangs", ge=0, le=1)
-    curl: float = _number(0.08, "how far a twig's tip leaves the straight line", ge=0, le=1, unit="lengths")
+    angle: float = _number(38.0, "angle between branch and twig", ge=0, le=120, unit="degrees")
+    plagiotropism: float = _number(0.1, "how far twigs bend toward the horizontal", ge=0, le=1)
+    rigidity: float = _number(0.92, "1 stands stiff, 0 hangs", ge=0, le=1)
+    curl: float = _number(0.1, "how far a twig's tip leaves the straight line", ge=0, le=1, unit="lengths")
     side_twigs: int = _number(4, "side twigs on a twig of a bare tree", ge=0, le=12)
     radius: float = _number(0.0005, "radius at the base", gt=0, le=0.01, unit="tree heights")
     thickest: float = _number(
