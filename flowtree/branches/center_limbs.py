@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree.branches.smooth_branches import smooth_branches
+from flowtree.geometry.parent_array import levels
 from flowtree.geometry.projection import to_plane, view_axes
 from flowtree.model.attractor import AttractorGraph
 from flowtree.model.skeleton import Skeleton
@@ -39,23 +40,25 @@ def center_limbs(skeleton: Skeleton, graphs: Sequence[AttractorGraph], yaws: Seq
     offsets = np.stack(
         [_offset(skeleton, g, yaw, _REACH * height) for g, yaw in zip(graphs, yaws, strict=True)]
     )
+    drawn = np.where(np.isnan(offsets), 0.0, weight)
+    aside = np.nan_to_num(offsets) * drawn
+    aside[:, 0] = 0.0
+    parent = skeleton.parent
+    for nodes in levels(parent)[1:]:  # what is not drawn itself goes along with the limb it grows from
+        aside[:, nodes] += (1.0 - drawn[:, nodes]) * aside[:, parent[nodes]]
     # The horizontal shift that views agree on: each view sees one component of it.
     shift = np.zeros((len(share), 3))
-    shift[:, [0, 2]] = (np.linalg.pinv(rights) @ offsets).T * weight[:, None]
-    shift[0] = 0.0
-    parent = skeleton.parent
-    for i in range(1, len(parent)):  # what is not drawn itself goes along with the limb it grows from
-        shift[i] += (1.0 - weight[i]) * shift[parent[i]]
+    shift[:, [0, 2]] = (np.linalg.pinv(rights) @ aside).T
     shift = smooth_branches(parent, shift, skeleton.particles, rounds=_ROUNDS)
     return replace(skeleton, points=(skeleton.points + shift).astype(np.float32))
 
 
 def _offset(skeleton: Skeleton, graph: AttractorGraph, yaw: float, reach: float) -> NDArray[np.float64]:
-    """How far right of each node the graph runs at the node's height [m]; 0 where it runs nowhere near."""
+    """How far right of each node the graph runs at the node's height [m]; NaN where it runs nowhere near."""
     flat = to_plane(skeleton.points, yaw)
     low, high = graph.points[graph.parent[1:]].astype(np.float64), graph.points[1:].astype(np.float64)
     rise = high[:, 1] - low[:, 1]
-    offset = np.zeros(len(flat))
+    offset = np.full(len(flat), np.nan)
     nearest = np.full(len(flat), reach)
     for a, b, dy in zip(low[rise > 0], high[rise > 0], rise[rise > 0], strict=True):
         level = (flat[:, 1] >= a[1]) & (flat[:, 1] < b[1])
