@@ -121,7 +121,7 @@ def _draw(labels: NDArray[np.uint8], stroke: Any, name: str, photo: Photo) -> No
         fixed = np.concatenate([fixed, fixed[-1:]])  # a single point is a dot, too
         thick = max(1, round(width * photo.scale))
         cv2.polylines(layer, [fixed], False, 1, thickness=thick, shift=_SUBPIXEL)
-        # OpenCV draws no line of one pixel that is no longer than that.
+        # A thin stroke on the right or lower edge is rounded to pixels beyond it: its own pixels count, too.
         inside = path[((path >= 0.0) & (path <= (width_px, height_px))).all(axis=1)]
         column, row = np.minimum(inside.astype(int), (width_px - 1, height_px - 1)).T
         layer[row, column] = 1
