@@ -14,7 +14,8 @@ class FlowFields:
     cell: (views,) [m], width and height of a cell.
     right: (views,) image-right in the world.
     combine: brings the sum of the views' world vectors to their average.
-    route: (nx, ny, nz) unit vectors along the shortest way to the foot, at the points of a box.
+    route: (nx, ny, nz) along the shortest way to the foot, at the points of a box; of length 1 in the crown,
+        up to 2 in the air, where the route alone is followed.
     route_corner: [m], of point (0, 0, 0).
     route_spacing: of the points [m].
     pull: cosine between field and route above which the field is followed; below its negative the route is.
@@ -84,6 +85,8 @@ def flow_direction(fields: FlowFields, at: wp.vec3):
     free = wp.min(wp.length(at) / fields.basin, 1.0) * wp.clamp(1.0 + at[1] / fields.basin, 0.0, 1.0)
     along = wp.normalize(fields.combine * total)
     route = route_vector(fields, at)
-    trust = wp.clamp(0.5 + 0.5 * wp.dot(along, route) / fields.pull, 0.0, 1.0)
+    solid = wp.clamp(2.0 - wp.length(route), 0.0, 1.0)
+    route = wp.normalize(route)
+    trust = wp.clamp(0.5 + 0.5 * wp.dot(along, route) / fields.pull, 0.0, 1.0) * solid
     along = along * trust + route * (1.0 - trust)
     return along * free - wp.normalize(at) * (1.0 - free)

@@ -10,18 +10,20 @@ from skimage.graph import MCP_Geometric
 from flowtree.model.volume import DensityVolume
 
 _POINTS = 32  # along the height: finer than this the way does not change, and the search costs its cube
+_AIR = 0.1  # of the usual density: less is air
 _EMPTY = 5.0  # a metre of air costs as much as this many metres of crown
 
 
 def route_to_foot(volume: DensityVolume) -> tuple[NDArray[np.float32], NDArray[np.float32], float]:
-    """Unit vectors along the shortest way to the foot, where way through air is dear.
+    """Directions along the shortest way to the foot, where way through air is dear.
 
     The paper pulls particles straight to the basis. That leads those under a hanging crown through the air to
-    the ground; the way through the density leads them up the branch and down the trunk, as sap would go.
+    the ground; the way through the density leads them up the branch and down the trunk, as sap would go. In
+    the air below a crown, where the photos show no branch, this way alone is followed.
 
     Returns:
-        directions: (nx, ny, nz, 3) float32, at the points of a box one spacing wider than the volume; 0 where
-            there is no way to go.
+        directions: (nx, ny, nz, 3) float32, at the points of a box one spacing wider than the volume; of
+            length 1 in the crown, up to 2 in the air, 0 where there is no way to go.
         corner: (3,) float32 [m], point (0, 0, 0).
         spacing: of the points [m].
     """
@@ -42,4 +44,5 @@ def route_to_foot(volume: DensityVolume) -> tuple[NDArray[np.float32], NDArray[n
     slope = np.stack(np.gradient(gaussian_filter(way, 0.7)), axis=-1)
     length = np.linalg.norm(slope, axis=-1, keepdims=True)
     directions = np.divide(-slope, length, out=np.zeros_like(slope), where=length > 1e-9)
+    directions *= 1.0 + np.clip(1.0 - coarse / (_AIR * usual), 0.0, 1.0)[..., None]
     return directions.astype(np.float32), corner.astype(np.float32), spacing

@@ -56,6 +56,8 @@ def flow_direction(fields: Any, at: NDArray[Any]) -> NDArray[Any]:
     free = near * np.clip(1.0 + at[1] / fields.basin, 0.0, 1.0)
     along = normalize(np.asarray(fields.combine, np.float64).reshape(3, 3) @ total)
     route = route_vector(fields, at)
-    trust = np.clip(0.5 + 0.5 * (along @ route) / fields.pull, 0.0, 1.0)
+    solid = np.clip(2.0 - np.linalg.norm(route), 0.0, 1.0)
+    route = normalize(route)
+    trust = np.clip(0.5 + 0.5 * (along @ route) / fields.pull, 0.0, 1.0) * solid
     along = along * trust + route * (1.0 - trust)
     return np.asarray(along * free - normalize(at) * (1.0 - free))
