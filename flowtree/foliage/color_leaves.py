@@ -16,6 +16,8 @@ from flowtree.model.matte import Matte
 
 _BLUR = 0.004  # of the picture's height: about a leaf, so that one dark pixel between leaves does not count
 _SOLID = 4  # power of alpha that weighs a pixel: half-covered ones still hold some of the sky
+_WIDE, _FAR = 6.0, 0.02  # a neighbourhood so many times wider counts so much, where the near one has no leaf
+_HUE = 3.0  # robust standard deviations at which a hue is no longer the crown's
 _TEXTURE = 0.8  # brightness of a leaf texture's mean, which is multiplied with the colour
 
 
@@ -29,7 +31,8 @@ def color_leaves(
 ) -> NDArray[np.float32]:
     """Each leaf's colour is the tree's own where the leaf projects, in the view in whose foreground it is.
 
-    Pixels in the colour of the trunk count little: a twig's white bark between leaves is no leaf's colour.
+    Pixels in the colour of the trunk count little, and so do those of a hue that the crown hardly has: a
+    twig's white bark, or sky that shone through where the matte closed a gap, is no leaf's colour.
 
     Args:
         points: (n, 3) [m].
@@ -43,10 +46,8 @@ def color_leaves(
     colors = np.empty((len(mattes), len(points), 3))
     nearness = np.empty((len(mattes), len(points)))
     for k, (matte, camera) in enumerate(zip(mattes, cameras, strict=True)):
-        sigma = max(_BLUR * matte.alpha.shape[0], 0.5)
-        weight = matte.alpha**_SOLID * (1.02 - bark_likeness(matte, camera)) + 1e-4
-        linear = LIGHT_OF_BYTE.astype(np.float32)[matte.foreground] * weight[..., None]
-        soft = cv2.GaussianBlur(linear, (0, 0), sigma) / cv2.GaussianBlur(weight, (0, 0), sigma)[..., None]
+        weight = matte.alpha**_SOLID * (1.02 - bark_likeness(matte, camera)) * _usual_hue(matte) + 1e-5
+        soft = _local_mean(LIGHT_OF_BYTE.astype(np.float32)[matte.foreground], weight)
         pixel = np.floor(project(points, camera)).astype(int)
         column = np.clip(pixel[:, 0], 0, matte.alpha.shape[1] - 1)
         row = np.clip(pixel[:, 1], 0, matte.alpha.shape[0] - 1)
@@ -56,3 +57,25 @@ def color_leaves(
     color = colors[np.argmax(nearness, axis=0), np.arange(len(points))]
     bright = np.random.default_rng(seed).normal(1.0, variation, (len(points), 1))
     return np.asarray(np.clip(color / _TEXTURE * np.clip(bright, 0.4, 1.8), 0.0, 1.0), np.float32)
+
+
+def _usual_hue(matte: Matte) -> NDArray[np.float32]:
+    """How usual each pixel's hue is in the crown: 1 near the median of CIELAB's a and b, less far from it."""
+    lab = cv2.cvtColor(matte.foreground.astype(np.float32) / 255, cv2.COLOR_RGB2LAB)
+    solid = matte.alpha > 0.8
+    if not solid.any():
+        return np.ones(matte.alpha.shape, np.float32)
+    gap = lab[..., 1:] - np.median(lab[solid][:, 1:], axis=0)
+    spread = 1.4826 * np.median(np.abs(gap[solid]), axis=0) + 3.0  # even a crown of one hue has a few units
+    far = np.linalg.norm(gap / spread, axis=2) / _HUE
+    return np.asarray(1.0 / (1.0 + far**4), np.float32)
+
+
+def _local_mean(light: NDArray[np.float32], weight: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Weighted mean of the light around each pixel, from farther away where all near weights are small."""
+    sigma = max(_BLUR * weight.shape[0], 0.5)
+    total = light * weight[..., None]
+    near = cv2.GaussianBlur(total, (0, 0), sigma), cv2.GaussianBlur(weight, (0, 0), sigma)
+    wide = cv2.GaussianBlur(total, (0, 0), _WIDE * sigma), cv2.GaussianBlur(weight, (0, 0), _WIDE * sigma)
+    mean = (near[0] + _FAR * wide[0]) / (near[1] + _FAR * wide[1])[..., None]
+    return np.asarray(mean, np.float32)
