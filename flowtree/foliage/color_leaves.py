@@ -73,9 +73,12 @@ def _usual_hue(matte: Matte) -> NDArray[np.float32]:
 
 def _local_mean(light: NDArray[np.float32], weight: NDArray[np.float32]) -> NDArray[np.float32]:
     """Weighted mean of the light around each pixel, from farther away where all near weights are small."""
-    sigma = max(_BLUR * weight.shape[0], 0.5)
-    total = light * weight[..., None]
-    near = cv2.GaussianBlur(total, (0, 0), sigma), cv2.GaussianBlur(weight, (0, 0), sigma)
-    wide = cv2.GaussianBlur(total, (0, 0), _WIDE * sigma), cv2.GaussianBlur(weight, (0, 0), _WIDE * sigma)
-    mean = (near[0] + _FAR * wide[0]) / (near[1] + _FAR * wide[1])[..., None]
-    return np.asarray(mean, np.float32)
+    height, width = weight.shape
+    sigma = max(_BLUR * height, 0.5)
+    sums = np.dstack([light * weight[..., None], weight])
+    near = cv2.GaussianBlur(sums, (0, 0), sigma)
+    # The wide mean is smooth: a picture a quarter as large holds all of it.
+    small = cv2.resize(sums, (max(1, width // 4), max(1, height // 4)), interpolation=cv2.INTER_AREA)
+    wide = cv2.resize(cv2.GaussianBlur(small, (0, 0), _WIDE * sigma / 4), (width, height))
+    both = near + _FAR * wide
+    return np.asarray(both[..., :3] / both[..., 3:], np.float32)
