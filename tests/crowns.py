@@ -16,6 +16,7 @@ from flowtree.model.volume import DensityVolume
 
 HEIGHT = 8.0  # [m]
 CENTRE, RADIUS = 5.2, 2.4  # of the crown, a ball [m]
+TRUNK = 0.06  # radius [m]
 PIXEL = 0.05  # [m]
 LEAF_GREEN, BARK_BROWN = (70, 120, 40), (96, 74, 52)
 
@@ -58,7 +59,7 @@ def plane_of(camera: Camera) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 def ball_matte(camera: Camera, alpha: float) -> Matte:
     right, up = plane_of(camera)
     crown = np.hypot(right, up - CENTRE) < RADIUS
-    stem = (np.abs(right) < 0.12) & (up > 0) & (up < CENTRE)
+    stem = (np.abs(right) < TRUNK) & (up > 0) & (up < CENTRE)
     picture = np.where(crown, alpha, 0.0)
     picture[stem & ~crown] = 1.0
     color = np.where(crown[..., None], LEAF_GREEN, BARK_BROWN).astype(np.uint8)
@@ -102,7 +103,7 @@ def branch_out(branches: int = 30, seed: int = 0) -> Skeleton:
         level=np.zeros(len(array), np.int32),
         twig=np.zeros(len(array), np.bool_),
     )
-    return da_vinci_radii(bare, trunk_radius=0.12)
+    return da_vinci_radii(bare, trunk_radius=TRUNK)
 
 
 def lone_branch(along: tuple[float, float, float], *, nodes: int = 20, length: float = 4.0) -> Skeleton:
@@ -113,7 +114,7 @@ def lone_branch(along: tuple[float, float, float], *, nodes: int = 20, length: f
     return Skeleton(
         parent=np.arange(-1, nodes + 1, dtype=np.int32),
         points=points.astype(np.float32),
-        radius=np.array([0.12, 0.06, *np.linspace(0.03, 0.01, nodes)], np.float32),
+        radius=np.array([TRUNK, TRUNK, *np.linspace(0.03, 0.01, nodes)], np.float32),
         particles=np.array([1000, 1000, *[1] * nodes], np.int32),
         level=np.zeros(nodes + 2, np.int32),
         twig=np.zeros(nodes + 2, np.bool_),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sparse
@@ -87,6 +87,9 @@ def place_leaves(
         return None
     matrices = [_leaf_depth(grid, places, coverage) for grid in grids]
     shares = match_depths(matrices, targets, _density_shares(places, volume, wanted))
+    excess = max(float(shares.sum()) / params.most, 1.0)  # fewer and larger ones cover as much
+    shares /= excess
+    places = replace(places, length=places.length * np.sqrt(excess))
     order = morton_order(places.centre)
     chosen = np.zeros(len(shares), np.bool_)
     chosen[order] = draw_shares(shares[order], seed=seed)
