@@ -22,6 +22,12 @@ def judge_leafy(mattes: Sequence[Matte], cameras: Sequence[Camera]) -> bool:
 
     A tree is bare where its crown is made of lines (coherent edges), without masses, in the colour of its
     trunk; all three must hold, for conifers have fine lines and a silhouette at dusk has but one colour.
+
+    Args:
+        mattes: one a view, with the foreground's colours.
+        cameras: theirs.
+
+    Returns: true without any view, and false where as many views show leaves as do not.
     """
     bare = sum(_is_bare(matte, camera) for matte, camera in zip(mattes, cameras, strict=True))
     return 2 * bare < len(mattes) or not len(mattes)
@@ -55,7 +61,10 @@ def _coherence(alpha: NDArray[np.float32]) -> float:
 
 
 def _massive(alpha: NDArray[np.float32]) -> float:
-    """Share of the alpha that survives an opening by a disc of 1 % of the height."""
+    """Share of the alpha that survives an opening by a disc of 1 % of ``_HEIGHT``.
+
+    The disc is as large in a smaller picture, whose twigs are as wide as its pixels.
+    """
     radius = max(1, round(0.01 * _HEIGHT))
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1, 2 * radius + 1))
     return float(cv2.morphologyEx(alpha, cv2.MORPH_OPEN, disc).sum() / max(float(alpha.sum()), 1e-9))
