@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import combinations
+
 import numpy as np
 from numpy.typing import NDArray
 
+from flowtree import check
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 
 _ROWS = 32
 # Opaque pixels would hold infinite depth: what one pixel can tell ends here.
 _MOST_ALPHA = 0.98
+# Views of one tree agree to 0.65 and more, of different trees to 0.23 and more: less is no pair at all.
+_NO_PAIR = 0.2
 
 
 def compare_views(
@@ -24,6 +30,25 @@ def compare_views(
     """
     first, second = (_profile(m, c, height) for m, c in ((matte, camera), (other, other_camera)))
     return float(np.minimum(first, second).sum() / np.maximum(first, second).sum())
+
+
+def check_same_tree(
+    names: Sequence[str], mattes: Sequence[Matte], cameras: Sequence[Camera], *, height: float
+) -> None:
+    """Refuses views that do not match at all; what is only doubtful is left to the report.
+
+    Raises:
+        InputError: two views whose profiles over height have almost nothing in common.
+    """
+    for a, b in combinations(range(len(names)), 2):
+        alike = compare_views(mattes[a], cameras[a], mattes[b], cameras[b], height=height)
+        check.require(
+            alike >= _NO_PAIR,
+            names[b],
+            f"must show the same tree as {names[a]}",
+            f"profiles over height that agree to {alike:.0%}",
+            "check both mattes with flowtree matte, or scribble the tree",
+        )
 
 
 def _profile(matte: Matte, camera: Camera, height: float) -> NDArray[np.float64]:

@@ -53,6 +53,7 @@ from flowtree.photos.read_marks import read_marks
 from flowtree.photos.read_painted_edit import read_painted_edit
 from flowtree.photos.read_scribbles import read_scribbles
 from flowtree.photos.read_trimap import read_trimap
+from flowtree.pipeline.compare_views import check_same_tree
 from flowtree.pipeline.stage import Job
 from flowtree.render.render_mask import render_mask
 from flowtree.render.soft_iou import soft_iou
@@ -145,8 +146,15 @@ def run_framing(job: Job, matte: Matte, marks: ViewMarks, yaw: float, height: fl
     return frame_view(matte, yaw=yaw, height=height, foot=marks.foot, top=marks.top)
 
 
-def run_density(job: Job, mattes: tuple[Matte, ...], cameras: tuple[Camera, ...]) -> DensityVolume:
+def run_density(
+    job: Job,
+    photos: tuple[Photo, ...],
+    mattes: tuple[Matte, ...],
+    cameras: tuple[Camera, ...],
+    heights: tuple[float, ...],
+) -> DensityVolume:
     """The volume that all views agree on."""
+    check_same_tree([photo.name for photo in photos], mattes, cameras, height=heights[0])
     return solve_density(mattes, cameras, params=job.params.density)
 
 

@@ -66,7 +66,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="density",
         run=steps.run_density,
-        inputs=("mattes", "cameras"),
+        inputs=("photos", "mattes", "cameras", "height"),
         outputs=("volume",),
         params=("density",),
         share=0.1,

@@ -10,13 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from flowtree.errors import InputError
 from flowtree.matting.extract_matte import extract_matte
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 from flowtree.photos.frame_view import frame_view
 from flowtree.photos.load_photo import load_photo
 from flowtree.pipeline.build_report import _ALIKE
-from flowtree.pipeline.compare_views import compare_views
+from flowtree.pipeline.compare_views import check_same_tree, compare_views
 
 _TRUTH = Path(__file__).parents[2] / ".." / "shared" / "data" / "truth"
 _ALPHAS = arrays(np.float32, (64, 8), elements=st.floats(0.0, 1.0, width=32))
@@ -57,3 +58,11 @@ def test_views_of_one_tree_pass(name):
         matte = extract_matte(load_photo(_TRUTH / name / f"ortho_{yaw:03d}.png"))
         views += [matte, frame_view(matte, yaw=yaw, height=10.0)]
     assert compare_views(*views, height=10.0) > _ALIKE + 0.1
+
+
+def test_views_that_do_not_match_at_all_are_refused_by_name():
+    crown, hedge = np.zeros((64, 8), np.float32), np.zeros((64, 8), np.float32)
+    crown[:32], hedge[32:] = 1.0, 1.0
+    with pytest.raises(InputError, match=r"b\.png: must show the same tree as a\.png"):
+        check_same_tree(["a.png", "b.png"], [_matte(crown), _matte(hedge)], [_CAMERA] * 2, height=1.0)
+    check_same_tree(["a.png", "b.png"], [_matte(crown)] * 2, [_CAMERA] * 2, height=1.0)
