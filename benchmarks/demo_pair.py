@@ -20,6 +20,7 @@ from benchmarks.colonise_space import colonise_space
 from benchmarks.paint_backdrop import Stand, paint_backdrop
 from flowtree.foliage.make_leaf import make_leaf
 from flowtree.geometry.projection import view_axes
+from flowtree.geometry.srgb import encode_srgb
 from flowtree.meshing.paint_bark import paint_bark
 from flowtree.meshing.sweep_rings import sweep_rings
 from flowtree.model.camera import Camera
@@ -28,7 +29,6 @@ from flowtree.model.skeleton import Skeleton
 from flowtree.model.tree import TreeModel
 from flowtree.params import RenderParams
 from flowtree.render.render_view import render_view
-from flowtree.render.sample_texture import encode_srgb
 from flowtree.render.write_picture import write_picture
 
 _FOLDER = Path(__file__).parents[1] / "flowtree" / "cli" / "demo"

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from flowtree.geometry.srgb import encode_srgb
 from flowtree.model.camera import Camera
 from flowtree.model.mesh import Material
 from flowtree.params import RenderParams
@@ -17,7 +18,7 @@ from flowtree.render.fit_camera import fit_camera
 from flowtree.render.gather_sky_light import gather_sky_light
 from flowtree.render.render_mask import render_mask
 from flowtree.render.render_view import render_view
-from flowtree.render.sample_texture import build_pyramid, encode_srgb, sample_texture
+from flowtree.render.sample_texture import build_pyramid, sample_texture
 from tests.trees import bare_tree, hand_made_tree, unusual_tree
 
 
