@@ -6,6 +6,7 @@ import importlib.util
 import sys
 from functools import lru_cache
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,8 @@ from numpy.typing import NDArray
 
 KNOWN = 100.0  # confidence from which a pixel keeps its alpha
 _EPSILON = 1e-6  # regularises the colour lines of closed-form matting
+
+_LOADING = Lock()  # two photos may be matted side by side, and the module must be loaded once
 
 
 def solve_alpha(
@@ -38,7 +41,9 @@ def solve_alpha(
     height, width = prior.shape
     if known.all() or min(height, width) < 3:
         return prior.astype(np.float32)
-    laplacian = _cf_laplacian()(rgb.astype(np.float64) / 255.0, epsilon=_EPSILON, radius=1, is_known=known)
+    with _LOADING:
+        closed_form = _cf_laplacian()
+    laplacian = closed_form(rgb.astype(np.float64) / 255.0, epsilon=_EPSILON, radius=1, is_known=known)
     open_ = ~known.ravel()
     weight = np.where(known, KNOWN, confidence).ravel().astype(np.float64)
     value = prior.ravel().astype(np.float64)

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from functools import partial
+from typing import Any, NamedTuple, Self
 
 from flowtree import check
+from flowtree.device import thread_count
 from flowtree.errors import CancelledError
 from flowtree.pipeline.cache import StageCache
 from flowtree.pipeline.digest import digest
@@ -48,7 +51,8 @@ def run_stages(
     """Runs the stages in order, each on what those before it made.
 
     A result is looked up by the fingerprint of the stage, its parameters and its inputs' fingerprints, so one
-    changed stroke runs again only what hangs on it.
+    changed stroke runs again only what hangs on it. The views of a stage that takes each alone run side by
+    side, on as many threads as there are cores.
 
     Args:
         stages: the table.
@@ -80,16 +84,19 @@ def run_stages(
     seconds: dict[str, float] = {}
     for stage in stages:
         start = time.perf_counter()
-        turns = range(views) if stage.each_view else (None,)
+        turns: Sequence[int | None] = range(views) if stage.each_view else (None,)
+        inputs = [
+            [board[name] if turn is None else board[name][turn] for name in stage.inputs] for turn in turns
+        ]
         results = []
-        for turn in turns:
-            if cancel is not None and cancel():
-                raise CancelledError(f"stopped before {stage.name}")
-            if progress is not None:
-                progress(stage.name, done / work)
-            inputs = [board[name] if turn is None else board[name][turn] for name in stage.inputs]
-            results.append(_run_one(stage, inputs, job, kept))
-            done += stage.share / len(turns)
+        with _Turns(stage, inputs, job, kept) as running:
+            for k in range(len(turns)):
+                if cancel is not None and cancel():
+                    raise CancelledError(f"stopped before {stage.name}")
+                if progress is not None:
+                    progress(stage.name, done / work)
+                results.append(running.result(k))
+                done += stage.share / len(turns)
         for k, name in enumerate(stage.outputs):
             board[name] = tuple(result[k] for result in results) if stage.each_view else results[0][k]
         seconds[stage.name] = time.perf_counter() - start
@@ -98,21 +105,44 @@ def run_stages(
     return Run({name: _data(value) for name, value in board.items()}, seconds)
 
 
-def _run_one(stage: Stage, inputs: Sequence[Any], job: Job, cache: StageCache) -> tuple[_Value, ...]:
-    """One stage, once: from the cache, or computed and kept."""
-    key = digest(
-        stage.name,
-        [_keys(value) for value in inputs],
-        {name: getattr(job.params, name) for name in stage.params},
-        job.seed if stage.seeded else None,
-        job.device,
-    )
-    results = cache.get(key)
-    if results is None:
-        made = stage.run(job, *(_data(value) for value in inputs))
-        results = made if len(stage.outputs) > 1 else (made,)
-        cache.put(key, results)
-    return tuple(_Value(data, f"{key}/{name}") for name, data in zip(stage.outputs, results, strict=True))
+class _Turns:
+    """A stage's turns, one a view or one for all: from the cache, or computed, each fingerprint once."""
+
+    def __init__(self, stage: Stage, inputs: Sequence[Sequence[Any]], job: Job, cache: StageCache) -> None:
+        self._stage, self._cache = stage, cache
+        params = {name: getattr(job.params, name) for name in stage.params}
+        seed = job.seed if stage.seeded else None
+        self._keys = [
+            digest(stage.name, [_keys(v) for v in each], params, seed, job.device) for each in inputs
+        ]
+        self._made = {key: cache.get(key) for key in self._keys}
+        self._work = {
+            key: partial(stage.run, job, *(_data(v) for v in each))
+            for key, each in zip(self._keys, inputs, strict=True)
+            if self._made[key] is None
+        }
+        self._pool = ThreadPoolExecutor(min(len(self._work), thread_count())) if len(self._work) > 1 else None
+
+    def __enter__(self) -> Self:
+        self._jobs = {key: self._pool.submit(work) for key, work in self._work.items()} if self._pool else {}
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(cancel_futures=True)
+
+    def result(self, turn: int) -> tuple[_Value, ...]:
+        """What the stage made of this turn's inputs; waits for it."""
+        key = self._keys[turn]
+        made = self._made[key]
+        if made is None:
+            made = self._jobs[key].result() if key in self._jobs else self._work[key]()
+            made = made if len(self._stage.outputs) > 1 else (made,)
+            self._made[key] = made
+            self._cache.put(key, made)
+        return tuple(
+            _Value(data, f"{key}/{name}") for name, data in zip(self._stage.outputs, made, strict=True)
+        )
 
 
 def _data(value: Any) -> Any:
