@@ -272,7 +272,7 @@ class RenderParams(StageParams):
     """Pictures of the finished tree."""
 
     size: int = _number(768, "height and width of a picture", ge=16, le=8192, unit="px")
-    samples: int = _number(3, "rays along each side of a pixel", ge=1, le=8)
+    samples: int = _number(2, "rays along each side of a pixel", ge=1, le=8)
     sun_azimuth: float = _number(
         -40.0,
         "where the sun stands, from behind the viewer's back to the right",
