@@ -2,7 +2,7 @@
 
 import warp as wp
 
-from flowtree.kernels.flow_fields import FlowFields, flow_direction
+from flowtree.kernels.flow_fields import FlowFields, flow_direction, sample_box
 
 wp.set_module_options({"enable_backward": False})
 
@@ -42,23 +42,7 @@ class FlowForces:
 @wp.func
 def free_flow_time(times: TimeGrid, at: wp.vec3):
     """Trilinear value; points outside take the value at the border."""
-    place = (at - times.corner) / times.spacing
-    x = wp.clamp(place[0], 0.0, float(times.time.shape[0]) - 1.001)
-    y = wp.clamp(place[1], 0.0, float(times.time.shape[1]) - 1.001)
-    z = wp.clamp(place[2], 0.0, float(times.time.shape[2]) - 1.001)
-    i = int(x)
-    j = int(y)
-    k = int(z)
-    a = x - float(i)
-    b = y - float(j)
-    c = z - float(k)
-    near = (times.time[i, j, k] * (1.0 - a) + times.time[i + 1, j, k] * a) * (1.0 - b) + (
-        times.time[i, j + 1, k] * (1.0 - a) + times.time[i + 1, j + 1, k] * a
-    ) * b
-    far = (times.time[i, j, k + 1] * (1.0 - a) + times.time[i + 1, j, k + 1] * a) * (1.0 - b) + (
-        times.time[i, j + 1, k + 1] * (1.0 - a) + times.time[i + 1, j + 1, k + 1] * a
-    ) * b
-    return near * (1.0 - c) + far * c
+    return sample_box(times.time, times.corner, times.spacing, at)
 
 
 @wp.func

@@ -1,5 +1,7 @@
 """The direction fields of all views and what they say at a point of the world (section 7)."""
 
+from typing import Any
+
 import warp as wp
 
 wp.set_module_options({"enable_backward": False})
@@ -54,25 +56,31 @@ def view_vector(fields: FlowFields, view: int, at: wp.vec3):
 
 
 @wp.func
-def route_vector(fields: FlowFields, at: wp.vec3):
-    """Trilinear value of the route; points outside take the value at its border."""
-    place = (at - fields.route_corner) / fields.route_spacing
-    x = wp.clamp(place[0], 0.0, float(fields.route.shape[0]) - 1.001)
-    y = wp.clamp(place[1], 0.0, float(fields.route.shape[1]) - 1.001)
-    z = wp.clamp(place[2], 0.0, float(fields.route.shape[2]) - 1.001)
+def sample_box(values: wp.array3d[Any], corner: wp.vec3, spacing: float, at: wp.vec3):
+    """Trilinear value of a box of points; points outside take the value at its border."""
+    place = (at - corner) / spacing
+    x = wp.clamp(place[0], 0.0, float(values.shape[0]) - 1.001)
+    y = wp.clamp(place[1], 0.0, float(values.shape[1]) - 1.001)
+    z = wp.clamp(place[2], 0.0, float(values.shape[2]) - 1.001)
     i = int(x)
     j = int(y)
     k = int(z)
     a = x - float(i)
     b = y - float(j)
     c = z - float(k)
-    near = (fields.route[i, j, k] * (1.0 - a) + fields.route[i + 1, j, k] * a) * (1.0 - b) + (
-        fields.route[i, j + 1, k] * (1.0 - a) + fields.route[i + 1, j + 1, k] * a
+    near = (values[i, j, k] * (1.0 - a) + values[i + 1, j, k] * a) * (1.0 - b) + (
+        values[i, j + 1, k] * (1.0 - a) + values[i + 1, j + 1, k] * a
     ) * b
-    far = (fields.route[i, j, k + 1] * (1.0 - a) + fields.route[i + 1, j, k + 1] * a) * (1.0 - b) + (
-        fields.route[i, j + 1, k + 1] * (1.0 - a) + fields.route[i + 1, j + 1, k + 1] * a
+    far = (values[i, j, k + 1] * (1.0 - a) + values[i + 1, j, k + 1] * a) * (1.0 - b) + (
+        values[i, j + 1, k + 1] * (1.0 - a) + values[i + 1, j + 1, k + 1] * a
     ) * b
     return near * (1.0 - c) + far * c
+
+
+@wp.func
+def route_vector(fields: FlowFields, at: wp.vec3):
+    """Trilinear value of the route; points outside take the value at its border."""
+    return sample_box(fields.route, fields.route_corner, fields.route_spacing, at)
 
 
 @wp.func
