@@ -100,7 +100,10 @@ class DensityParams(StageParams):
 
     resolution: int = _number(64, "voxels along the tree's height", ge=4, le=512)
     carve: float = _number(0.01, "voxels whose smallest footprint mean is below this are empty", ge=0, le=1)
-    iterations: int = _number(40, "rounds of the least-squares solver", ge=0, le=1000)
+    iterations: int = _number(200, "rounds of the least-squares solver at most", ge=0, le=1000)
+    tolerance: float = _number(
+        0.001, "distance of the rays' depths from the best fit at which the rounds end", ge=0, le=1
+    )
     balance: float = _number(
         1.0, "largest relative correction of a row's total depth toward the other views'", ge=0, le=10
     )

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from flowtree import check
+from flowtree import device as devices
+from flowtree.density.fit_depths import fit_depths
 from flowtree.density.footprint_matrix import footprint_matrix
 from flowtree.geometry.footprint_means import footprint_means, optical_depth
+from flowtree.kernels.fit_depths import LANES
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 from flowtree.model.volume import DensityVolume
@@ -18,11 +20,15 @@ from flowtree.params import DensityParams
 
 _SAME_SIDE = 0.01  # sine of the angle below which two views see the tree from the same or the opposite side
 _WIDEST = 2.0  # heights to the side, beyond which the width, not the height, sets the size of a voxel
-_VOXELS_AT_ONCE = 1_000_000
+_VOXELS_AT_ONCE = 16_000_000  # 64 MB in each of four arrays
 
 
 def solve_density(
-    mattes: Sequence[Matte], cameras: Sequence[Camera], *, params: DensityParams = DensityParams()
+    mattes: Sequence[Matte],
+    cameras: Sequence[Camera],
+    *,
+    params: DensityParams = DensityParams(),
+    device: str | None = None,
 ) -> DensityVolume:
     """Estimates the extinction [1/m] in a box of cubic voxels around the tree from two or more views.
 
@@ -79,16 +85,28 @@ def solve_density(
         )
         for alpha, camera in zip(alphas, cameras, strict=True)
     ]
-    matrices = [
-        footprint_matrix(centres, centres, camera.yaw, left=left, cell=cell, columns=columns)
+    shares = [
+        footprint_matrix(centres, centres, camera.yaw, left=left, cell=cell, columns=columns) / cell
         for camera in cameras
     ]
     depths = _balance_rows(depths, params.balance)
-    volume = np.empty((len(centres), rows, len(centres)), np.float32)
-    # Every height is its own problem: a few at a time keep the memory small.
-    for few in np.array_split(np.arange(rows), -(-rows * len(centres) ** 2 // _VOXELS_AT_ONCE)):
-        density = _solve_rows(matrices, [depth[:, few] for depth in depths], cell, params)
-        volume[:, few] = density.reshape(len(centres), len(centres), -1).transpose(0, 2, 1)
+    least = -float(np.log1p(-params.carve)) if params.carve < 1.0 else np.inf
+    side = len(centres)
+    volume = np.empty((side, rows, side), np.float32)
+    # Every height is its own problem: not all at once where the memory would not hold them.
+    few = max(LANES, _VOXELS_AT_ONCE // side**2 // LANES * LANES)
+    for low in range(0, rows, few):
+        fitted = fit_depths(
+            shares,
+            [depth[:, low : low + few] for depth in depths],
+            least=least,
+            iterations=params.iterations,
+            tolerance=params.tolerance,
+            device=devices.pick_device(device),
+        )
+        upright = fitted.reshape(-1, side, side, LANES).transpose(1, 0, 3, 2).reshape(side, -1, side)
+        part = volume[:, low : low + few]
+        np.divide(upright[:, : part.shape[1]], np.float32(cell), out=part)
     check.require(
         bool(volume.any()), "mattes", "must show one tree", "views that share nothing", "check yaw and foot"
     )
@@ -124,49 +142,3 @@ def _balance_rows(depths: list[NDArray[np.float64]], limit: float) -> list[NDArr
         factor = np.divide(mean, total, out=np.ones_like(mean), where=total > 1e-9)
         balanced.append(depth * np.clip(factor, 1 / (1 + limit), 1 + limit))
     return balanced
-
-
-def _solve_rows(
-    matrices: list[sparse.csr_array], depths: list[NDArray[np.float64]], cell: float, params: DensityParams
-) -> NDArray[np.float64]:
-    """Densities (voxels, rows) [1/m] of some heights."""
-    back = [np.asarray(m.T @ d) / cell for m, d in zip(matrices, depths, strict=True)]
-    filled = -np.expm1(-np.minimum.reduce(back)) >= params.carve
-    start = _maximum_entropy(back, filled, depths, cell)
-    return _least_squares(matrices, depths, start, filled, params.iterations)
-
-
-def _maximum_entropy(
-    back: list[NDArray[np.float64]],
-    filled: NDArray[np.bool_],
-    depths: list[NDArray[np.float64]],
-    cell: float,
-) -> NDArray[np.float64]:
-    """Product of the back-projected depths, scaled to the mean total of its height: (voxels, rows) [1/m]."""
-    product = np.where(filled, np.multiply.reduce(back), 0.0).clip(min=0.0)
-    total = np.mean([d.sum(axis=0) for d in depths], axis=0)
-    held = product.sum(axis=0) * cell
-    return np.asarray(product * np.divide(total, held, out=np.zeros_like(total), where=held > 0))
-
-
-def _least_squares(
-    matrices: list[sparse.csr_array],
-    depths: list[NDArray[np.float64]],
-    density: NDArray[np.float64],
-    filled: NDArray[np.bool_],
-    iterations: int,
-) -> NDArray[np.float64]:
-    """Simultaneous iterative reconstruction: residuals over path lengths go back, negative becomes 0.
-
-    The lengths are those through voxels that may be filled. With them each round is a projected gradient step
-    that cannot raise the sum of the squared residuals over those lengths.
-    """
-    lengths = [np.asarray(m @ filled.astype(np.float64)) for m in matrices]
-    weights = [np.divide(1.0, n, out=np.zeros_like(n), where=n > 1e-9 * n.max(initial=0.0)) for n in lengths]
-    spread = np.sum([np.asarray(m.sum(axis=0)) for m in matrices], axis=0)[:, None]
-    for _ in range(iterations):
-        step = np.zeros_like(density)
-        for matrix, depth, weight in zip(matrices, depths, weights, strict=True):
-            step += matrix.T @ ((depth - matrix @ density) * weight)
-        density = np.where(filled, np.maximum(density + step / spread, 0.0), 0.0)
-    return density
