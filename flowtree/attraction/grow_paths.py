@@ -32,7 +32,7 @@ def grow_paths(
 ) -> None:
     """Joins every seed to the tree by its cheapest path to the target (Particle Flows, section 4).
 
-    One Dijkstra from the target over the whole grid; walking back from each seed, the paths merge by
+    One Dijkstra from the target out to the seeds; walking back from each seed, the paths merge by
     themselves. Beyond the paper it is repeated for growing groups of seeds: cells that a path has taken
     become cheaper by ``merging`` and their neighbourhood dearer. So later paths join earlier ones instead of
     running beside them; and as a path over a plain that may use a line at the share m of its price leaves it
@@ -55,11 +55,14 @@ def grow_paths(
         # The first few take less heed of each other: limbs fork at smaller angles than the branches on them.
         share = merging if group.start >= limbs else _LIMB_MERGING * merging
         price[taken] = cost[taken] * (1.0 - share)
+        waiting = [(int(row), int(column)) for row, column in seeds[group] if not taken[row, column]]
+        if not waiting:
+            continue
         search = MCP_Geometric(price)
-        search.find_costs([target])
-        for seed in seeds[group]:
-            if tree.node_at[tuple(seed)] < 0:
-                path = search.traceback(tuple(seed))
+        search.find_costs([target], waiting)  # ends at the last seed: what lies farther is never looked at
+        for seed in waiting:
+            if tree.node_at[seed] < 0:
+                path = search.traceback(seed)
                 if _grows(tree, path, shortest * tall):
                     tree.add_path(path)
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
-from skimage.filters import sato
 
 from flowtree.attraction.cut_working_grid import WorkingGrid
+from flowtree.attraction.find_ridges import find_ridges
 from flowtree.attraction.outline_crown import CrownOutline
 
 _THICKEST = 0.08  # of the height: half width up to which an opaque part can be a limb
@@ -94,7 +94,8 @@ def _middle_of_limbs(grid: WorkingGrid, thickest: float) -> tuple[_Map, _Map]:
 
 def _ridges(values: NDArray[np.float32], tall: float) -> _Map:
     """Bright ridges at three scales, 0..1; an ideal ridge of contrast 1 gives about 1."""
-    return np.clip(_tubes(values, [0.004 * tall, 0.009 * tall, 0.018 * tall]) / 0.25, 0.0, 1.0)
+    bright, _ = find_ridges(values, [0.004 * tall, 0.009 * tall, 0.018 * tall])
+    return np.clip(bright.astype(np.float64) / 0.25, 0.0, 1.0)
 
 
 def _picture_ridges(grid: WorkingGrid) -> _Map:
@@ -107,14 +108,8 @@ def _picture_ridges(grid: WorkingGrid) -> _Map:
     difference = (light - around) * grid.alpha
     spread = float(np.sqrt((difference**2).sum() / max(1.0, float(grid.alpha.sum())))) + 2.0
     difference = difference / spread
-    sigmas = [0.008 * grid.tall, 0.016 * grid.tall]
-    return np.clip(np.maximum(_tubes(difference, sigmas), _tubes(-difference, sigmas)) / 0.8, 0.0, 1.0)
-
-
-def _tubes(values: NDArray[np.float32], sigmas: list[float]) -> _Map:
-    """Sato's filter for bright lines, the strongest answer of all scales [cells]."""
-    answer = sato(values, sigmas=sigmas, black_ridges=False, mode="nearest")  # type: ignore[no-untyped-call]
-    return np.asarray(answer, np.float64)
+    bright, dark = find_ridges(difference, [0.008 * grid.tall, 0.016 * grid.tall])
+    return np.clip(np.maximum(bright, dark).astype(np.float64) / 0.8, 0.0, 1.0)
 
 
 def _stem_likeness(grid: WorkingGrid, crown: CrownOutline) -> _Map:
