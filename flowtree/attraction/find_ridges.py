@@ -17,10 +17,10 @@ def find_ridges(
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Sato's filter for lines (Sato 1998), for bright and for dark ones at once, the strongest of all scales.
 
-    A line answers with the curvature across it, ``-sigma**2`` times the lower eigenvalue of the Hessian where
-    it is bright, ``sigma**2`` times the upper one where it is dark. The Hessian is taken as scikit-image takes
-    it, by two first derivatives of a Gaussian each, and the answers are bit by bit those of its ``sato``, which
-    would ask for each sign alone, and load all of ``scipy.stats`` to do so.
+    A line answers with the curvature across it: where it is bright, ``-sigma**2`` times the lower eigenvalue
+    of the Hessian, where it is dark, ``sigma**2`` times the upper one. The Hessian is scikit-image's, made of
+    two first derivatives of a Gaussian each, and the answers are bit by bit those of its ``sato``. That asks
+    for each sign alone, and loads all of ``scipy.stats`` to do so.
 
     Args:
         values: (h, w); beyond the picture its edge goes on.
