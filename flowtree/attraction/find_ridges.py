@@ -49,4 +49,4 @@ def _curvatures(values: NDArray[np.float32], sigma: float) -> tuple[NDArray[np.f
     rows, mixed, columns = derive(down, (1, 0)), derive(down, (0, 1)), derive(right, (0, 1))
     mean = (rows + columns) / 2
     apart = np.sqrt(mixed**2 + ((rows - columns) / 2) ** 2)
-    return mean + apart, mean - apart
+    return np.asarray(mean + apart, np.float32), np.asarray(mean - apart, np.float32)
