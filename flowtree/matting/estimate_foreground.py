@@ -26,28 +26,37 @@ def estimate_foreground(rgb: NDArray[np.uint8], alpha: NDArray[np.float32]) -> N
 
     Returns: (h, w, 3).
     """
-    image = rgb.astype(np.float32) / np.float32(255.0)
-    cover = alpha[..., None].astype(np.float32)
+    # Four channels throughout, the last one for the weight: colours and weight are blurred in one go, and
+    # arrays of one shape are multiplied three times as fast as a picture by a weight that is spread over it.
+    image = cv2.cvtColor(rgb, cv2.COLOR_RGB2RGBA).astype(np.float32) / np.float32(255.0)
+    cover = cv2.merge([alpha.astype(np.float32)] * 4)
+    rest = np.float32(1.0) - cover
     front, back = image, image
     for reach in _REACHES:
         front = _spread(front, cover, reach)
-        back = _spread(back, 1.0 - cover, reach)
-        front = np.clip(front + cover * (image - cover * front - (1.0 - cover) * back), 0.0, 1.0)
-    result: NDArray[np.uint8] = np.rint(front * 255.0).astype(np.uint8)
-    return result
+        back = _spread(back, rest, reach)
+        front = np.clip(front + cover * (image - cover * front - rest * back), 0.0, 1.0)
+    result: NDArray[np.uint8] = np.rint(front * np.float32(255.0)).astype(np.uint8)
+    return np.ascontiguousarray(result[..., :3])
 
 
 def _spread(colour: NDArray[Any], weight: NDArray[Any], reach: float) -> NDArray[Any]:
-    """Weighted mean in a window, then in twice as wide ones where the weight ran out."""
+    """Weighted mean in a window, then in ones four times as wide where the weight ran out.
+
+    Args:
+        colour: (h, w, 4) float32; the last channel counts for nothing.
+        weight: (h, w, 4) float32, the same in all channels.
+        reach: of the first window, of the larger side.
+    """
     size = max(colour.shape[:2])
     window = 2 * max(1, round(reach * size)) + 1
-    total, mass = np.zeros_like(colour), np.zeros_like(weight)
+    sums = colour * weight
+    sums[..., 3] = weight[..., 3]
+    total = cv2.blur(sums, (window, window), borderType=cv2.BORDER_REFLECT)
     share = np.float32(1.0)
-    while True:
-        box = (window, window)
-        total += share * cv2.blur(colour * weight, box, borderType=cv2.BORDER_REFLECT)
-        mass += share * cv2.blur(weight, box, borderType=cv2.BORDER_REFLECT)[..., None]
-        if window > size // 2:
-            spread: NDArray[Any] = total / np.maximum(mass, np.float32(1e-12))
-            return spread
+    while window <= size // 2:
         window, share = 4 * window + 1, share * np.float32(1e-3)
+        total += share * cv2.blur(sums, (window, window), borderType=cv2.BORDER_REFLECT)
+    mass = cv2.merge([cv2.extractChannel(total, 3)] * 4)
+    spread: NDArray[Any] = total / np.maximum(mass, np.float32(1e-12))
+    return spread
