@@ -142,7 +142,7 @@ def step_density(
     # out:
     density_out: wp.array2d[Lanes],  # (blocks, voxels); preset to the densities of the round before
 ):
-    """Goes on in the direction of the last step and spreads the rays' residuals; what is negative becomes 0."""
+    """Goes on as the last step did and spreads the rays' residuals; what is negative becomes 0."""
     i = first + wp.tid()
     block = i // density.shape[1]
     voxel = i - block * density.shape[1]

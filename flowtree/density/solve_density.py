@@ -36,7 +36,13 @@ def solve_density(
     limit; carving of the voxels below a threshold; the iterative least-squares solution of the discretised
     emission-absorption equation, in which negative values are empty. In the logarithm of transparency that
     equation (Particle Flows, equation 1) is linear: along a ray the extinctions add up to the optical depth
-    ``-ln(1 - alpha)``.
+    ``-ln(1 - alpha)``. `fit_depths` solves it.
+
+    Its relative residual is ``|A x - d| / |d|``: x the densities, A x their sums along all rays of all views,
+    one ray a voxel's edge wide, and d the rays' optical depths. ``params.tolerance`` bounds it where some
+    densities in the voxels that are not carved satisfy all views. Mattes of photographs contradict each
+    other, and carving adds to it: with those it bounds how far the residual is above the least possible, as
+    nearly as `fit_depths` can tell.
 
     Deviations: two views leave the system underdetermined, and the iteration keeps whatever its start holds
     in the null space. It therefore starts, not from the minimum, but from the product of the views' optical
@@ -48,9 +54,11 @@ def solve_density(
     Args:
         mattes: one for each view, at least two.
         cameras: theirs, at two yaws at least that are neither equal nor opposite.
-        params: resolution, carving threshold, iterations.
+        params: resolution, carving threshold, when the rounds end.
+        device: to run on; None takes the best there is.
 
-    Returns: a box around the y axis that stands on the ground, as wide and high as any view shows.
+    Returns: a box around the y axis that stands on the ground, as wide and high as any view shows. The same
+        bytes on any number of cores.
 
     Raises:
         InputError: fewer than two views, views that see the tree from the same or the opposite side only,

@@ -106,7 +106,7 @@ def step_density(
     density: _Array,
     density_out: _Array,
 ) -> None:
-    """Goes on in the direction of the last step and spreads the rays' residuals; what is negative becomes 0."""
+    """Goes on as the last step did and spreads the rays' residuals; what is negative becomes 0."""
     blocks, voxels = density.shape[:2]
     for i in range(first, blocks * voxels):
         block, voxel = divmod(i, voxels)

@@ -164,6 +164,65 @@ def test_a_mirrored_scene_gives_the_mirrored_volume():
     assert np.allclose(one.density, two.density[::-1], atol=1e-5)
 
 
+def _on_the_grid(side, yaws, seed=0):
+    """Exact views of a crown whose voxels and pixels are those of the solver, and that crown."""
+    rng, edge = np.random.default_rng(seed), 0.125  # a power of two: places on the grid are exact
+    centre = np.arange(side) + 0.5
+    x, y, z = np.meshgrid(centre - side / 2, centre, centre - side / 2, indexing="ij")
+    inside = np.hypot(np.hypot(x, z) / (0.4 * side), (y - side / 2) / (side / 2)) < 1
+    depth = np.where(inside & (rng.random(x.shape) < 0.6), 4.0 / side, 0.0)
+    depth[side // 2, -1, side // 2] = 1.0  # the top is seen
+    columns = 2 * side
+    flat = depth.transpose(0, 2, 1).reshape(side * side, side)
+    mattes, cameras = [], []
+    for yaw in yaws:
+        places = (np.arange(side) + 0.5 - side / 2) * edge
+        grid = {"left": -columns / 2 * edge, "cell": edge, "columns": columns}
+        seen = footprint_matrix(places, places, yaw, **grid) @ flat / edge
+        mattes.append(_matte(-np.expm1(-seen).T[::-1]))
+        cameras.append(Camera(yaw, edge, (columns / 2, float(side)), columns, side))
+    return mattes, cameras, depth / edge
+
+
+@pytest.mark.parametrize("yaws", [(0, 90), (10, 75), (0, 45, 90, 135), (5, 50, 99, 140)])
+def test_exact_views_are_satisfied_to_the_tolerance(yaws):
+    """With nothing but the defaults: the relative residual over all rays that the docstring defines."""
+    mattes, cameras, crown = _on_the_grid(32, yaws)
+    volume = solve_density(mattes, cameras, params=DensityParams(resolution=32))
+    assert volume.voxel == pytest.approx(0.125)
+    rest = _residuals(volume, mattes, cameras)
+    depth = _residuals(dataclasses.replace(volume, density=0 * volume.density), mattes, cameras)
+    assert np.linalg.norm(rest) <= 1e-3 * np.linalg.norm(depth)
+    held = volume.density.sum(axis=(0, 2))[:32]
+    assert np.allclose(held, crown.sum(axis=(0, 2)), rtol=0.01, atol=0.01), "each height keeps its matter"
+
+
+def test_a_tree_twice_as_large_is_half_as_dense():
+    """Nothing but the metres changes, so no byte does; 2 has no rounding."""
+    mattes, cameras = _views(_phantom("two balls"), (0, 50, 100))
+    large = [dataclasses.replace(c, metres_per_pixel=2 * c.metres_per_pixel) for c in cameras]
+    one, two = (solve_density(mattes, c, params=COARSE) for c in (cameras, large))
+    assert two.voxel == 2 * one.voxel
+    assert np.array_equal(one.density, 2 * two.density)
+
+
+def test_one_core_and_two_give_the_same_bytes(monkeypatch):
+    mattes, cameras = _views(_phantom("two balls"), (0, 50, 100))
+    volumes = []
+    for threads in ("1", "2"):
+        monkeypatch.setenv("FLOWTREE_THREADS", threads)
+        volumes.append(solve_density(mattes, cameras, params=COARSE).density.tobytes())
+    assert volumes[0] == volumes[1]
+
+
+def test_heights_solved_in_parts_are_those_solved_at_once(monkeypatch):
+    mattes, cameras = _views(_phantom("cylinder"), (0, 90))
+    params = DensityParams(resolution=40, iterations=3)
+    whole = solve_density(mattes, cameras, params=params)
+    monkeypatch.setattr("flowtree.density.solve_density._VOXELS_AT_ONCE", 1)
+    assert np.array_equal(solve_density(mattes, cameras, params=params).density, whole.density)
+
+
 def test_the_order_of_the_views_does_not_matter():
     mattes, cameras = _views(_phantom("two balls"), (0, 50, 100))
     one = solve_density(mattes, cameras, params=COARSE)
