@@ -4,6 +4,9 @@ import warp as wp
 
 wp.set_module_options({"enable_backward": False})
 
+# Rays by which what is certainly missed is told too narrowly: far more than float32's error in a picture.
+SLACK = 0.02
+
 
 @wp.struct
 class RayGrid:
@@ -44,12 +47,22 @@ def sample_alpha(alpha: wp.array2d[float], at: wp.vec2) -> float:
 
 
 @wp.func
-def narrow(span: wp.vec2, slope: float, rest: float) -> wp.vec2:
-    """The part of a span of x where ``slope * x + rest`` is not negative."""
-    if slope > 0.0:
-        span = wp.vec2(wp.max(span[0], -rest / slope), span[1])
-    if slope < 0.0:
-        span = wp.vec2(span[0], wp.min(span[1], -rest / slope))
+def minus_over(slope: float) -> float:
+    """-1 over a weight's slope along x; 0 where it does not change."""
+    over = float(0.0)
+    if slope != 0.0:
+        over = -1.0 / slope
+    return over
+
+
+@wp.func
+def narrow(span: wp.vec2, over: float, rest: float) -> wp.vec2:
+    """The part of a span of x where ``slope * x + rest`` is not negative, with ``over`` = -1 / slope."""
+    border = over * rest
+    if over < 0.0:
+        span = wp.vec2(wp.max(span[0], border), span[1])
+    if over > 0.0:
+        span = wp.vec2(span[0], wp.min(span[1], border))
     return span
 
 
@@ -91,26 +104,33 @@ def cast_rays(
             by = -c[0] * over
             cx = -b[1] * over
             cy = b[0] * over
-            least = wp.floor(wp.max(a[0] + wp.min(wp.min(b[0], c[0]), 0.0), float(left))) - a[0]
+            b_over = minus_over(bx)
+            c_over = minus_over(cx)
+            a_over = minus_over(-bx - cx)
+            least = wp.max(a[0] + wp.min(wp.min(b[0], c[0]), 0.0), float(left)) - a[0]
             most = wp.min(a[0] + wp.max(wp.max(b[0], c[0]), 0.0), float(right)) - a[0]
-            row_from = int(wp.max(wp.floor(a[1] + wp.min(wp.min(b[1], c[1]), 0.0)), float(upper)))
-            row_to = int(wp.min(wp.floor(a[1] + wp.max(wp.max(b[1], c[1]), 0.0)) + 1.0, float(lower)))
+            above = wp.max(a[1] + wp.min(wp.min(b[1], c[1]), 0.0), float(upper))
+            below = wp.min(a[1] + wp.max(wp.max(b[1], c[1]), 0.0), float(lower))
+            # Rays keep half a share away from their row's borders.
+            inset = 0.5 * share - SLACK
+            row_from = wp.max(int(wp.ceil(above - 1.0 + inset)), upper)
+            row_to = wp.min(int(wp.floor(below - inset)) + 1, lower)
             for row in range(row_from, row_to):
-                # Where in the row's strip rays can be inside: the three weights, each at its better border.
-                high = float(row) - a[1]
-                low = high + 1.0
-                span = narrow(wp.vec2(least, most), bx, wp.max(high * by, low * by))
-                span = narrow(span, cx, wp.max(high * cy, low * cy))
-                span = narrow(span, -bx - cx, 1.0 + wp.max(-high * (by + cy), -low * (by + cy)))
-                column_from = wp.max(int(wp.min(span[0], most) + a[0]) - 1, left)
-                column_to = wp.min(int(wp.max(span[1], least) + a[0]) + 2, right)
+                # Where in the row rays can be inside: the three weights, each where in the row it is largest.
+                start = float(row) - a[1]
+                high = start + inset
+                low = start + 1.0 - inset
+                span = narrow(wp.vec2(least, most), b_over, wp.max(high * by, low * by))
+                span = narrow(span, c_over, wp.max(high * cy, low * cy))
+                span = narrow(span, a_over, 1.0 + wp.max(-high * (by + cy), -low * (by + cy)))
                 shift = (float(row % grid.group) + 0.5) * share - a[0]
-                phase = (
-                    column_from % grid.group
-                )  # of the column; a division for each ray would cost most of all
+                column_from = wp.max(int(wp.ceil(wp.min(span[0], most) - shift - SLACK)), left)
+                column_to = wp.min(int(wp.floor(wp.max(span[1], least) - shift + SLACK)) + 1, right)
+                # A division for each ray would cost most of all.
+                phase = column_from % grid.group
                 for column in range(column_from, column_to):
                     x = float(column) + shift
-                    y = high + (float(phase) + 0.5) * share
+                    y = start + (float(phase) + 0.5) * share
                     phase += 1
                     if phase == grid.group:
                         phase = 0
