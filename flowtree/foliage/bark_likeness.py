@@ -32,7 +32,9 @@ def bark_likeness(matte: Matte, camera: Camera) -> NDArray[np.float32]:
     solid = matte.alpha > 0.8
     if not solid[stem:foot].any() or not solid[:stem].any():
         return nothing
-    gap = np.linalg.norm(lab - np.median(lab[stem:foot][solid[stem:foot]], axis=0), axis=2)
+    bark = np.median(lab[stem:foot][solid[stem:foot]], axis=0)
+    light, red, yellow = (part - middle for part, middle in zip(cv2.split(lab), bark, strict=True))
+    gap = np.sqrt(light * light + red * red + yellow * yellow)
     if np.median(gap[:stem][solid[:stem]]) < _OTHER:
         return nothing
     return np.asarray(np.clip((_OTHER - gap) / (_OTHER - _ALIKE), 0.0, 1.0), np.float32)

@@ -47,11 +47,11 @@ def color_leaves(
     nearness = np.empty((len(mattes), len(points)))
     for k, (matte, camera) in enumerate(zip(mattes, cameras, strict=True)):
         weight = matte.alpha**_SOLID * (1.02 - bark_likeness(matte, camera)) * _usual_hue(matte) + 1e-5
-        soft = _local_mean(LIGHT_OF_BYTE.astype(np.float32)[matte.foreground], weight)
         pixel = np.floor(project(points, camera)).astype(int)
         column = np.clip(pixel[:, 0], 0, matte.alpha.shape[1] - 1)
         row = np.clip(pixel[:, 1], 0, matte.alpha.shape[0] - 1)
-        colors[k] = soft[row, column]
+        light = np.asarray(cv2.LUT(matte.foreground, LIGHT_OF_BYTE.astype(np.float32)), np.float32)
+        colors[k] = _local_mean(light, np.asarray(weight, np.float32), row, column)
         # A pixel that hardly holds tree has no colour to give, however near the leaf is to the camera.
         nearness[k] = points @ view_axes(camera.yaw)[2] - 1e3 * (matte.alpha[row, column] < 0.1)
     color = colors[np.argmax(nearness, axis=0), np.arange(len(points))]
@@ -65,20 +65,27 @@ def _usual_hue(matte: Matte) -> NDArray[np.float32]:
     solid = matte.alpha > 0.8
     if not solid.any():
         return np.ones(matte.alpha.shape, np.float32)
-    gap = lab[..., 1:] - np.median(lab[solid][:, 1:], axis=0)
-    spread = 1.4826 * np.median(np.abs(gap[solid]), axis=0) + 3.0  # even a crown of one hue has a few units
-    far = np.linalg.norm(gap / spread, axis=2) / _HUE
+    hue = [np.ascontiguousarray(lab[..., 1]), np.ascontiguousarray(lab[..., 2])]
+    gaps = [part - np.median(part[solid]) for part in hue]
+    # Even a crown of one hue has a few units.
+    red, yellow = (gap / (1.4826 * np.median(np.abs(gap[solid])) + 3.0) for gap in gaps)
+    far = np.sqrt(red * red + yellow * yellow) / _HUE
     return np.asarray(1.0 / (1.0 + far**4), np.float32)
 
 
-def _local_mean(light: NDArray[np.float32], weight: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Weighted mean of the light around each pixel, from farther away where all near weights are small."""
+def _local_mean(
+    light: NDArray[np.float32],
+    weight: NDArray[np.float32],
+    row: NDArray[np.intp],
+    column: NDArray[np.intp],
+) -> NDArray[np.float32]:
+    """Weighted mean (n, 3) of the light around pixels, from farther away where all near weights are small."""
     height, width = weight.shape
     sigma = max(_BLUR * height, 0.5)
-    sums = np.dstack([light * weight[..., None], weight])
+    sums = cv2.merge([*cv2.split(light * cv2.merge([weight] * 3)), weight])
     near = cv2.GaussianBlur(sums, (0, 0), sigma)
     # The wide mean is smooth: a picture a quarter as large holds all of it.
     small = cv2.resize(sums, (max(1, width // 4), max(1, height // 4)), interpolation=cv2.INTER_AREA)
     wide = cv2.resize(cv2.GaussianBlur(small, (0, 0), _WIDE * sigma / 4), (width, height))
-    both = near + _FAR * wide
-    return np.asarray(both[..., :3] / both[..., 3:], np.float32)
+    both = near[row, column] + np.float32(_FAR) * wide[row, column]
+    return np.asarray(both[:, :3] / both[:, 3:], np.float32)

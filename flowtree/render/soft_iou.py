@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from flowtree import check
+from flowtree.geometry.footprint_means import footprint_means
 from flowtree.model.camera import Camera
 
 # Cells along the tree's height: coarse enough that two leaves need not lie in the same place.
@@ -47,34 +50,25 @@ def soft_iou(
         for picture, view, name in ((alpha, camera, "alpha"), (other, other_camera, "the other alpha"))
     ]
     cell = height / cells
-    across, along = (
-        _grid([_borders(view, axis) for _, view in pictures], cell) for axis in ("across", "along")
-    )
+    scaled = [(view, view.metres_per_pixel) for _, view in pictures]
+    columns = _lines([(-view.foot[0] * m, (view.width - view.foot[0]) * m) for view, m in scaled], cell)
+    rows = _lines([((view.foot[1] - view.height) * m, view.foot[1] * m) for view, m in scaled], cell)
     first, second = (
-        _averages(_borders(view, "along"), along)
-        @ picture.astype(np.float64)
-        @ _averages(_borders(view, "across"), across).T
+        footprint_means(
+            picture,
+            view,
+            left=columns[0] * cell,
+            bottom=rows[0] * cell,
+            cell=cell,
+            columns=columns[1] - columns[0],
+            rows=rows[1] - rows[0],
+        )
         for picture, view in pictures
     )
     union = float(np.maximum(first, second).sum())
     return float(np.minimum(first, second).sum()) / union if union > 0 else 1.0
 
 
-def _borders(view: Camera, axis: str) -> NDArray[np.float64]:
-    """The borders of a picture's columns (left to right) or rows (top to bottom) from the foot [m]."""
-    count, foot = (view.width, view.foot[0]) if axis == "across" else (view.height, view.foot[1])
-    return np.asarray((np.arange(count + 1) - foot) * view.metres_per_pixel, np.float64)
-
-
-def _grid(borders: list[NDArray[np.float64]], cell: float) -> NDArray[np.float64]:
-    """Borders of cells that cover all the given ones, with one at 0."""
-    low = np.floor(min(b[0] for b in borders) / cell)
-    high = np.ceil(max(b[-1] for b in borders) / cell)
-    return np.asarray(np.arange(low, high + 1) * cell, np.float64)
-
-
-def _averages(borders: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(cells, pixels): the share of each cell that each pixel covers."""
-    low = np.maximum(borders[None, :-1], grid[:-1, None])
-    high = np.minimum(borders[None, 1:], grid[1:, None])
-    return np.asarray(np.clip(high - low, 0.0, None) / (grid[1] - grid[0]), np.float64)
+def _lines(spans: list[tuple[float, float]], cell: float) -> tuple[int, int]:
+    """First and last line of a grid with one line at 0 that covers all spans (low, high) [m], in cells."""
+    return math.floor(min(low for low, _ in spans) / cell), math.ceil(max(high for _, high in spans) / cell)
