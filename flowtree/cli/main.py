@@ -54,8 +54,8 @@ _COLLECT_AFTER = 100_000
 def main() -> None:
     """Runs a command; ends with 0 done, 1 bad input or data, 2 wrong usage, 130 stopped by Ctrl-C."""
     # To look for garbage among those after every 700 new ones costs a tenth of a second, and to do so once
-    # more when the process ends 0.4 s: there is none. Frozen objects are left out; whatever ends in order (open
-    # files, threads, what others registered) has ended by then.
+    # more when the process ends 0.4 s: there is none. Frozen objects are left out; all that ends in order
+    # (open files, threads, what others registered) has ended by then.
     gc.set_threshold(_COLLECT_AFTER)
     atexit.register(gc.freeze)
     try:
