@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flowtree.meshing.branch_axes import Floats, Ints
 from flowtree.meshing.place_rings import Rings
@@ -29,13 +28,6 @@ class BarkMap:
     repeats: Ints
     width: Floats
     start: Floats
-
-    def uvs(self, row: Ints, around: Floats) -> NDArray[np.float32]:
-        """Texture coordinates (n, 2) of the vertices ``around`` (n,) in 0..1 of the ring of a row (n,)."""
-        out_and_back = (0.5 - np.abs(around - 0.5)) * self.width[row]
-        u = np.where(self.repeats[row] > 0, around * self.repeats[row], out_and_back)
-        uvs: NDArray[np.float32] = (self.start[row] + np.stack([u, 0.0 * u], axis=1)).astype(np.float32)
-        return uvs
 
 
 def map_bark(rings: Rings, wanted_scale: float) -> BarkMap:

@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import warp as wp
 from numpy.typing import NDArray
 
 from flowtree import check
+from flowtree import device as devices
+from flowtree.kernels import sweep_rings as kernels
 from flowtree.meshing.branch_axes import Floats, Ints
-from flowtree.meshing.map_bark import map_bark
+from flowtree.meshing.map_bark import BarkMap, map_bark
 from flowtree.meshing.place_rings import Rings, place_rings
 from flowtree.meshing.transport_frames import transport_frames
 from flowtree.model.mesh import TreeMesh
 from flowtree.model.skeleton import Skeleton
 from flowtree.params import MeshingParams
 
+_SPLIT_FROM = 512  # rows of vertices
 
-def sweep_rings(skeleton: Skeleton, *, params: MeshingParams = MeshingParams()) -> TreeMesh:
+
+def sweep_rings(
+    skeleton: Skeleton, *, params: MeshingParams = MeshingParams(), device: str | None = None
+) -> TreeMesh:
     """Covers every branch with a closed tube of rings perpendicular to it (Particle Flows, section 8).
 
     The paper connects discs along the branch and gives no more detail. Here:
@@ -36,6 +45,7 @@ def sweep_rings(skeleton: Skeleton, *, params: MeshingParams = MeshingParams()) 
     Args:
         skeleton: world frame [m].
         params: sides of the thickest ring, root flare, bark scale.
+        device: to run on; None takes the best there is.
 
     Returns: triangles in the world frame, one tube behind the other, the trunk first.
 
@@ -45,35 +55,33 @@ def sweep_rings(skeleton: Skeleton, *, params: MeshingParams = MeshingParams()) 
     """
     _check(skeleton)
     rings = place_rings(skeleton, params)
-    one, two = transport_frames(rings.center, rings.tangent, rings.chain)
-
     bark = map_bark(rings, params.bark_scale)
-
-    ring_sides = rings.sides[rings.chain[bark.ring]]
-    apex = np.isneginf(rings.slope)[bark.ring]
+    sides = rings.sides[rings.chain[bark.ring]]
     # A ring's last column repeats its first, where the texture ends; an apex has one corner a side.
-    columns = np.where(apex, ring_sides, ring_sides + 1)
+    columns = np.where(np.isneginf(rings.slope)[bark.ring], sides, sides + 1)
     offset = np.concatenate(([0], np.cumsum(columns)))
-    row = np.repeat(np.arange(len(columns)), columns)
-    column = np.arange(offset[-1]) - offset[row]
-    ring, sides = bark.ring[row], ring_sides[row]
-    # The twin's angle is computed from the same number, so that its position is the same float.
-    angle = 2.0 * np.pi * (column % sides) / sides
-    outward = np.cos(angle)[:, None] * one[ring] + np.sin(angle)[:, None] * two[ring]
-    return TreeMesh(
-        positions=(rings.center[ring] + rings.radius[ring, None] * outward).astype(np.float32),
-        normals=_normals(outward, rings, ring),
-        uvs=bark.uvs(row, (column + 0.5 * apex[row]) / sides),
-        triangles=_triangles(rings, bark.ring, offset),
-    )
+    positions, normals, uvs = _place(rings, bark, sides, offset, devices.pick_device(device))
+    return TreeMesh(positions, normals, uvs, _triangles(rings, bark.ring, offset))
 
 
-def _normals(outward: Floats, rings: Rings, ring: Ints) -> NDArray[np.float32]:
-    apex = np.isneginf(rings.slope)
-    lean = np.where(apex, 1.0, -rings.slope)
-    normal = outward * np.where(apex, 0.0, 1.0)[ring, None] + lean[ring, None] * rings.tangent[ring]
-    unit: NDArray[np.float32] = (normal / np.linalg.norm(normal, axis=1, keepdims=True)).astype(np.float32)
-    return unit
+def _place(
+    rings: Rings, bark: BarkMap, sides: Ints, offset: Ints, device: str
+) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
+    """Positions [m], normals and texture coordinates of all rows of vertices, a row from its offset on."""
+    one, two = transport_frames(rings.center, rings.tangent, rings.chain, device=device)
+
+    def up(values: Floats | Ints, kind: Any) -> Any:
+        return devices.upload(values.astype(np.int32 if kind is wp.int32 else np.float64), kind, device)
+
+    vectors = [up(a, wp.vec3d) for a in (rings.center, rings.tangent, one, two)]
+    numbers = [up(a, wp.float64) for a in (rings.radius, rings.slope)]
+    rows = [up(a, wp.int32) for a in (bark.ring, sides, offset, bark.repeats)]
+    texture = [up(bark.width, wp.float64), up(bark.start, wp.vec2d)]
+    outputs = [devices.empty(int(offset[-1]), kind, device) for kind in (wp.vec3, wp.vec3, wp.vec2)]
+    inputs = [*vectors, *numbers, *rows, *texture]
+    devices.launch(kernels.place_vertices, len(sides), inputs, outputs, device=device, split_from=_SPLIT_FROM)
+    positions, normals, uvs = (a.numpy() for a in outputs)
+    return positions, normals, uvs
 
 
 def _triangles(rings: Rings, ring_of_row: Ints, offset: Ints) -> NDArray[np.int32]:

@@ -56,14 +56,26 @@ def test_every_branch_is_a_closed_sphere(skeleton, sides):
 @settings(max_examples=15, deadline=None)
 def test_the_texture_closes_around_every_ring(skeleton):
     """A ring's last column shows the texel of its first, in a picture that repeats: no seam can be seen."""
-    rings = place_rings(skeleton, MeshingParams())
-    bark = map_bark(rings, 0.6)
-    row = np.arange(len(bark.ring))
-    begin, end = bark.uvs(row, np.zeros(len(row))), bark.uvs(row, np.ones(len(row)))
+    params = MeshingParams()
+    rings = place_rings(skeleton, params)
+    bark = map_bark(rings, params.bark_scale)
+    sides, apex = rings.sides[rings.chain[bark.ring]], np.isneginf(rings.slope)[bark.ring]
+    first = np.cumsum(sides + ~apex) - (sides + ~apex)
+    uvs = sweep_rings(skeleton, params=params).uvs
+    begin, end = uvs[first[~apex]], uvs[(first + sides)[~apex]]
     assert np.array_equal(begin[:, 1], end[:, 1])
     turns = (end - begin)[:, 0]
     assert np.allclose(turns, np.rint(turns), atol=1e-5)
-    assert np.array_equal(np.rint(turns), bark.repeats)
+    assert np.array_equal(np.rint(turns), bark.repeats[~apex])
+
+
+def test_one_core_and_two_give_the_same_bytes(monkeypatch):
+    skeleton, meshes = random_skeleton(3, 4000), []
+    for threads in ("1", "2"):
+        monkeypatch.setenv("FLOWTREE_THREADS", threads)
+        meshes.append(sweep_rings(skeleton))
+    for part in ("positions", "normals", "uvs", "triangles"):
+        assert getattr(meshes[0], part).tobytes() == getattr(meshes[1], part).tobytes()
 
 
 def test_a_straight_branch_is_the_cylinder_it_should_be():
