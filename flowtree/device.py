@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from itertools import pairwise
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -134,3 +136,16 @@ def launch(
 @lru_cache(maxsize=4)
 def _pool(threads: int) -> ThreadPoolExecutor:
     return ThreadPoolExecutor(threads, thread_name_prefix="flowtree")
+
+
+def compile_module(module: ModuleType, device: str) -> None:
+    """Makes a module of kernels ready to launch: compiled, or read from `kernel_folder`.
+
+    Several modules may be made ready in several threads at once; one module only in one.
+    """
+    wp.load_module(module, device=device)
+
+
+def kernel_folder() -> Path:
+    """Where compiled kernels are kept: ``WARP_CACHE_PATH``, else the user's own cache folder."""
+    return Path(str(wp.config.kernel_cache_dir))
