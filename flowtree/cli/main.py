@@ -17,6 +17,7 @@ from flowtree.cli.matte import matte
 from flowtree.cli.params import params
 from flowtree.cli.reconstruct import reconstruct
 from flowtree.cli.render import render
+from flowtree.cli.warmup import warmup
 from flowtree.errors import FlowtreeError
 
 app = typer.Typer(
@@ -28,7 +29,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (demo, reconstruct, render, matte, params, inspect):
+for command in (demo, reconstruct, render, matte, params, inspect, warmup):
     app.command()(command)
 
 

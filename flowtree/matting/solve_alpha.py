@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
-from functools import lru_cache
-from pathlib import Path
-from threading import Lock
-from typing import Any
-
 import numpy as np
 import scipy.sparse
 import scipy.sparse.linalg
 from numpy.typing import NDArray
 
+from flowtree.matting.load_laplacian import load_laplacian
+
 KNOWN = 100.0  # confidence from which a pixel keeps its alpha
 _EPSILON = 1e-6  # regularises the colour lines of closed-form matting
-
-_LOADING = Lock()  # two photos may be matted side by side, and the module must be loaded once
 
 
 def solve_alpha(
@@ -41,9 +34,7 @@ def solve_alpha(
     height, width = prior.shape
     if known.all() or min(height, width) < 3:
         return prior.astype(np.float32)
-    with _LOADING:
-        closed_form = _cf_laplacian()
-    laplacian = closed_form(rgb.astype(np.float64) / 255.0, epsilon=_EPSILON, radius=1, is_known=known)
+    laplacian = load_laplacian()(rgb.astype(np.float64) / 255.0, epsilon=_EPSILON, radius=1, is_known=known)
     open_ = ~known.ravel()
     weight = np.where(known, KNOWN, confidence).ravel().astype(np.float64)
     value = prior.ravel().astype(np.float64)
@@ -62,30 +53,3 @@ def solve_alpha(
     value[open_] = solution
     alpha: NDArray[np.float32] = np.clip(value, 0.0, 1.0).reshape(height, width).astype(np.float32)
     return alpha
-
-
-@lru_cache(maxsize=1)
-def _cf_laplacian() -> Any:
-    """The matting Laplacian of pymatting, without the rest of pymatting.
-
-    ``import pymatting`` compiles all its Numba functions: 42 s in a new environment (box filters alone 35 s),
-    before the first photograph is looked at. The one module that is needed compiles in 2 s.
-    """
-    name = "pymatting.laplacian.cf_laplacian"
-    if name not in sys.modules:
-        package = importlib.util.find_spec("pymatting")
-        if package is None or not package.submodule_search_locations:
-            raise ModuleNotFoundError("pymatting is not installed")
-        file = Path(package.submodule_search_locations[0]) / "laplacian" / "cf_laplacian.py"
-        specification = importlib.util.spec_from_file_location(name, file)
-        if specification is None or specification.loader is None:
-            raise ModuleNotFoundError(f"pymatting has no {file.name}")
-        # Numba keeps the machine code under the module's name and looks it up there when it reads it again:
-        # it must be the real one, and be there before the functions are made.
-        module = sys.modules[name] = importlib.util.module_from_spec(specification)
-        try:
-            specification.loader.exec_module(module)
-        except BaseException:
-            del sys.modules[name]
-            raise
-    return sys.modules[name].cf_laplacian

@@ -17,7 +17,7 @@ from flowtree.render.fit_camera import fit_camera
 from flowtree.render.render_mask import render_mask
 from tests.trees import hand_made_tree
 
-COMMANDS = ("demo", "reconstruct", "render", "matte", "params", "inspect")
+COMMANDS = ("demo", "reconstruct", "render", "matte", "params", "inspect", "warmup")
 
 
 def _picture(path, size=(48, 64), alpha=None):
