@@ -100,21 +100,22 @@ def solve_density(
     depths = _balance_rows(depths, params.balance)
     least = -float(np.log1p(-params.carve)) if params.carve < 1.0 else np.inf
     side = len(centres)
-    volume = np.empty((side, rows, side), np.float32)
+    volume = np.zeros((side, rows, side), np.float32)
     # Every height is its own problem: not all at once where the memory would not hold them.
     few = max(LANES, _VOXELS_AT_ONCE // side**2 // LANES * LANES)
-    for low in range(0, rows, few):
+    shown = 1 + int(np.flatnonzero(np.any([depth.any(axis=0) for depth in depths], axis=0)).max(initial=-1))
+    for low in range(0, shown, few):
+        high = min(low + few, shown)
         fitted = fit_depths(
             shares,
-            [depth[:, low : low + few] for depth in depths],
+            [depth[:, low:high] for depth in depths],
             least=least,
             iterations=params.iterations,
             tolerance=params.tolerance,
             device=devices.pick_device(device),
         )
         upright = fitted.reshape(-1, side, side, LANES).transpose(1, 0, 3, 2).reshape(side, -1, side)
-        part = volume[:, low : low + few]
-        np.divide(upright[:, : part.shape[1]], np.float32(cell), out=part)
+        np.divide(upright[:, : high - low], np.float32(cell), out=volume[:, low:high])
     check.require(
         bool(volume.any()), "mattes", "must show one tree", "views that share nothing", "check yaw and foot"
     )

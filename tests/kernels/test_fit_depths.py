@@ -41,7 +41,7 @@ def _chance(seed, blocks=2, views=3, rays=4, voxels=11):
 
 def _upload(values, device):
     kind = wp.int32 if values.dtype == np.int32 else wp.float32
-    return devices.upload(values, kernels.Lanes if values.shape[-1:] == (LANES,) else kind, device)
+    return devices.upload(values, kernels.Lanes if values.ndim > 1 else kind, device)
 
 
 def _both(kernel, twin, count, inputs, outputs, device):
