@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import warp as wp
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from flowtree import check
+from flowtree import device as devices
 from flowtree.geometry.polylines import nearest_on_segments
+from flowtree.kernels.nearest_segment import nearest_segment
 from flowtree.model.attractor import AttractorGraph
 from flowtree.model.camera import Camera
 from flowtree.model.field import DirectionField
 from flowtree.params import FieldParams
 
 _BELOW, _ABOVE, _BESIDE = 0.02, 0.05, 0.1  # of the height: what the grid covers around the graph
-_SPACING = 0.008  # of the height: how densely the graph is sampled for the search
-_CANDIDATES = 8  # segments near a cell that are measured exactly
+_RUN = 8  # segments, neighbours along branches, that the search looks at together
+_SPLIT_FROM = 64  # cells; each is compared with the whole graph
 _ROUNDS = 4  # of tangent smoothing
 _STILL = 1e-3  # a sum of directions shorter than this points nowhere
 
@@ -28,6 +32,7 @@ def build_direction_field(
     *,
     params: FieldParams = FieldParams(),
     bounds: tuple[float, float, float, float] | None = None,
+    device: str | None = None,
 ) -> DirectionField:
     """Directions that lead to the graph and along it to the foot (equation 3).
 
@@ -44,9 +49,9 @@ def build_direction_field(
         graph: rooted at (0, 0).
         camera: of the view.
         params: see `FieldParams`.
-        bounds: (left, bottom, right, top) [m] of the grid in the view's plane; None covers the graph, from 2
-        %
-            of its height below the foot to 5 % above its top and 10 % to each side.
+        bounds: (left, bottom, right, top) [m] of the grid in the view's plane; None covers the graph, from
+            2 % of its height below the foot to 5 % above its top and 10 % to each side.
+        device: to run on; None takes the best there is.
 
     Returns: unit vectors, ``params.resolution`` cells along each side.
 
@@ -79,7 +84,7 @@ def build_direction_field(
     steps = np.arange(params.resolution) + 0.5
     x, y = np.meshgrid(left + steps * cell[0], bottom + steps * cell[1])
     centres = np.stack([x.ravel(), y.ravel()], axis=1)
-    offset, tangent = _nearest(centres, parent, points, _SPACING * height)
+    offset, tangent = _nearest(centres, parent, points, devices.pick_device(device))
     distance = np.linalg.norm(offset, axis=1)
     if params.blending == "linear":
         h = np.clip(distance / (params.reach * height), 0.0, 1.0)
@@ -110,53 +115,43 @@ def _bounds(points: _Array, height: float) -> tuple[float, float, float, float]:
 
 
 def _nearest(
-    centres: _Array, parent: NDArray[np.int64], points: _Array, spacing: float
+    centres: _Array, parent: NDArray[np.int64], points: _Array, device: str
 ) -> tuple[_Array, _Array]:
     """Vector (m, 2) to the nearest point of the graph and the unit tangent (m, 2) there.
 
-    A k-d tree over the middles of short pieces finds candidates, whose distance is then exact. The
-    nearest piece can only be missed where the middles of all candidates lie nearer: by under spacing² / 8d,
-    and by half the spacing at a node that more than eight branches leave.
+    Segments that share their nearest point with another meet there, and have one tangent there: it does not
+    matter which of them float32 finds.
     """
-    starts, ends, owner_start, owner_end = _pieces(parent, points, spacing)
-    count = min(_CANDIDATES, len(starts))
-    _, candidate = cKDTree(0.5 * (starts + ends)).query(centres, k=count)
-    candidate = candidate.reshape(len(centres), count)
-    fraction, nearest = nearest_on_segments(centres[:, None, :], starts[candidate], ends[candidate])
-    square = ((nearest - centres[:, None, :]) ** 2).sum(axis=2)
-    best = square.argmin(axis=1)
-    every = np.arange(len(centres))
-    chosen, along = candidate[every, best], fraction[every, best][:, None]
-    offset = nearest[every, best] - centres
-    tangent = (1.0 - along) * owner_start[chosen] + along * owner_end[chosen]
-    at_root = (along[:, 0] == 0.0) & (np.abs(starts[chosen]).max(axis=1) == 0.0)
+    child = np.arange(1, len(points))
+    starts, ends = points[parent[child]], points[child]
+    chosen = _search(centres, starts, ends, device)
+    fraction, nearest = nearest_on_segments(centres, starts[chosen], ends[chosen])
+    offset, along = nearest - centres, fraction[:, None]
+    tangents = _node_tangents(parent, points)
+    tangent = (1.0 - along) * tangents[parent[child]][chosen] + along * tangents[child][chosen]
+    at_root = (fraction == 0.0) & (np.abs(starts[chosen]).max(axis=1) == 0.0)
     tangent[at_root] = _unit(offset[at_root], tangent[at_root])
     return offset, _unit(tangent, -centres)
 
 
-def _pieces(
-    parent: NDArray[np.int64], points: _Array, spacing: float
-) -> tuple[_Array, _Array, _Array, _Array]:
-    """Cuts the graph into pieces of at most ``spacing``.
+def _search(centres: _Array, starts: _Array, ends: _Array, device: str) -> NDArray[np.int32]:
+    """(m,) the segment nearest to each centre."""
+    along = ends - starts
+    square = (along**2).sum(axis=1)
+    over = np.divide(1.0, square, out=np.zeros_like(square), where=square > 1e-30)
+    runs = np.arange(0, len(starts), _RUN)
+    low = np.minimum.reduceat(np.minimum(starts, ends), runs, axis=0)
+    high = np.maximum.reduceat(np.maximum(starts, ends), runs, axis=0)
+    found = devices.empty(len(centres), wp.int32, device)
 
-    Returns: (k, 2) each: ends nearer the foot, other ends, tangents at the former and at the latter.
-    """
-    tangents = _node_tangents(parent, points)
-    child = np.arange(1, len(points))
-    low, high = points[parent[child]], points[child]
-    number = np.maximum(1, np.ceil(np.linalg.norm(high - low, axis=1) / spacing)).astype(np.int64)
-    segment = np.repeat(np.arange(len(child)), number)
-    step = np.arange(len(segment)) - np.repeat(np.cumsum(number) - number, number)
-    share = number[segment].astype(np.float64)
-    from_, to = (step / share)[:, None], ((step + 1) / share)[:, None]
-    low, high = low[segment], high[segment]
-    near, far = tangents[parent[child]][segment], tangents[child][segment]
-    return (
-        low + from_ * (high - low),
-        low + to * (high - low),
-        near + from_ * (far - near),
-        near + to * (far - near),
-    )
+    def up(values: _Array, kind: Any) -> Any:
+        return devices.upload(values.astype(np.float32), kind, device)
+
+    inputs = [*(up(a, wp.vec2) for a in (centres, starts, along)), up(over, wp.float32)]
+    inputs += [up(low, wp.vec2), up(high, wp.vec2), _RUN]
+    devices.launch(nearest_segment, len(centres), inputs, [found], device=device, split_from=_SPLIT_FROM)
+    segments: NDArray[np.int32] = found.numpy()
+    return segments
 
 
 def _node_tangents(parent: NDArray[np.int64], points: _Array) -> _Array:

@@ -117,9 +117,7 @@ def test_fast_equals_brute_force(seed, count, blending):
     )
     missed = np.linalg.norm(start + t[..., None] * along - landed[:, None], axis=2).min(axis=1)
     height = max(np.ptp(graph.points, axis=0).max(), 1e-6)
-    # Half the spacing at which the graph is sampled, where many branches leave one node.
-    assert missed.max() < 4e-3 * height
-    assert np.median(missed) < 1e-5 * height
+    assert missed.max() < 1e-5 * height
     other = build_direction_field(graph, CAMERA, params=FieldParams(resolution=12, blending=blending))
     assert np.isfinite(other.vectors).all()
     assert np.allclose(np.linalg.norm(other.vectors, axis=2), 1.0, atol=1e-5)
