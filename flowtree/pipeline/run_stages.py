@@ -14,6 +14,7 @@ from flowtree.device import thread_count
 from flowtree.errors import CancelledError
 from flowtree.pipeline.cache import StageCache
 from flowtree.pipeline.digest import digest
+from flowtree.pipeline.load_kernels import load_kernels
 from flowtree.pipeline.stage import Job, Stage
 
 
@@ -82,24 +83,28 @@ def run_stages(
     }
     work, done = sum(stage.share for stage in stages), 0.0
     seconds: dict[str, float] = {}
-    for stage in stages:
-        start = time.perf_counter()
-        turns: Sequence[int | None] = range(views) if stage.each_view else (None,)
-        inputs = [
-            [board[name] if turn is None else board[name][turn] for name in stage.inputs] for turn in turns
-        ]
-        results = []
-        with _Turns(stage, inputs, job, kept) as running:
-            for k in range(len(turns)):
-                if cancel is not None and cancel():
-                    raise CancelledError(f"stopped before {stage.name}")
-                if progress is not None:
-                    progress(stage.name, done / work)
-                results.append(running.result(k))
-                done += stage.share / len(turns)
-        for k, name in enumerate(stage.outputs):
-            board[name] = tuple(result[k] for result in results) if stage.each_view else results[0][k]
-        seconds[stage.name] = time.perf_counter() - start
+    with load_kernels(stages, job.device) as kernels:
+        for stage in stages:
+            start = time.perf_counter()
+            for name in stage.kernels:
+                kernels[name].result()
+            turns: Sequence[int | None] = range(views) if stage.each_view else (None,)
+            inputs = [
+                [board[name] if turn is None else board[name][turn] for name in stage.inputs]
+                for turn in turns
+            ]
+            results = []
+            with _Turns(stage, inputs, job, kept) as running:
+                for k in range(len(turns)):
+                    if cancel is not None and cancel():
+                        raise CancelledError(f"stopped before {stage.name}")
+                    if progress is not None:
+                        progress(stage.name, done / work)
+                    results.append(running.result(k))
+                    done += stage.share / len(turns)
+            for k, name in enumerate(stage.outputs):
+                board[name] = tuple(result[k] for result in results) if stage.each_view else results[0][k]
+            seconds[stage.name] = time.perf_counter() - start
     if progress is not None:
         progress(stages[-1].name, 1.0)
     return Run({name: _data(value) for name, value in board.items()}, seconds)

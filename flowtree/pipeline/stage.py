@@ -36,6 +36,7 @@ class Stage:
         params: sections of the parameters it reads; others do not make it run again.
         each_view: it runs once a view, every input being that view's own entry, and so is every output.
         seeded: the seed changes its result.
+        kernels: modules of ``flowtree.kernels`` that it launches from, made ready before it runs.
         share: of the time of a usual run, for the progress bar.
     """
 
@@ -46,4 +47,5 @@ class Stage:
     params: tuple[str, ...] = ()
     each_view: bool = False
     seeded: bool = False
+    kernels: tuple[str, ...] = ()
     share: float = 1.0

@@ -155,7 +155,7 @@ def run_density(
 ) -> DensityVolume:
     """The volume that all views agree on."""
     check_same_tree([photo.name for photo in photos], mattes, cameras, height=heights[0])
-    return solve_density(mattes, cameras, params=job.params.density)
+    return solve_density(mattes, cameras, params=job.params.density, device=job.device)
 
 
 def run_attraction(
@@ -176,7 +176,7 @@ def run_attraction(
 
 def run_fields(job: Job, graph: AttractorGraph, camera: Camera, edit: PaintedEdit) -> DirectionField:
     """The direction field of one view, bent by painted directions."""
-    field = build_direction_field(graph, camera, params=job.params.field)
+    field = build_direction_field(graph, camera, params=job.params.field, device=job.device)
     return bend_direction_field(field, camera, edit)
 
 
@@ -236,7 +236,7 @@ def run_twigs(
 
 def run_meshing(job: Job, skeleton: Skeleton) -> TreeMesh:
     """The wood's surface."""
-    return sweep_rings(skeleton, params=job.params.meshing)
+    return sweep_rings(skeleton, params=job.params.meshing, device=job.device)
 
 
 def run_bark(

@@ -69,6 +69,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("photos", "mattes", "cameras", "height"),
         outputs=("volume",),
         params=("density",),
+        kernels=("fit_depths",),
         share=0.1,
     ),
     Stage(
@@ -88,6 +89,7 @@ STAGES: tuple[Stage, ...] = (
         outputs=("fields",),
         params=("field",),
         each_view=True,
+        kernels=("nearest_segment",),
         share=0.05,
     ),
     Stage(
@@ -97,6 +99,7 @@ STAGES: tuple[Stage, ...] = (
         outputs=("traces",),
         params=("flow",),
         seeded=True,
+        kernels=("time_flow", "cell_list", "find_nearest", "join_particles", "advance_particles"),
         share=0.3,
     ),
     Stage(
@@ -130,6 +133,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("skeleton",),
         outputs=("wood",),
         params=("meshing",),
+        kernels=("sweep_rings",),
         share=0.2,
     ),
     Stage(
@@ -162,6 +166,7 @@ STAGES: tuple[Stage, ...] = (
         run=steps.run_fidelity,
         inputs=("tree", "mattes", "cameras"),
         outputs=("soft_ious",),
+        kernels=("cast_rays",),
         share=0.5,
     ),
 )
