@@ -37,7 +37,7 @@ def match_depths(
     """
     shares = weights.copy()
     covers = [np.maximum(np.asarray(m.sum(axis=0)).ravel(), _EMPTY) for m in matrices]
-    turned = [m.T.tocsr() for m in matrices]
+    turned = [m.T for m in matrices]  # sorting their entries by things costs more than it saves
     for _ in range(rounds):
         after = []
         for matrix, back, target, cover in zip(matrices, turned, targets, covers, strict=True):
