@@ -133,7 +133,7 @@ def _crown(side: int, yaws: tuple[float, ...]) -> tuple[list[Any], list[NDArray[
     grid = {"left": -columns / 2 / side, "cell": 1.0 / side, "columns": columns}
     shares = [footprint_matrix(centres, centres, yaw, **grid) * side for yaw in yaws]
     x, z, y = np.meshgrid(centres, centres, centres, indexing="ij")
-    inside = np.hypot(np.hypot(x, z) / 0.4, y / 0.5) < 1
+    inside = np.hypot(np.hypot(x, z), y) < 0.5
     rng = np.random.default_rng(0)
     depth = np.where(inside & (rng.random(x.shape) < 0.6), 5.0 / side, 0.0)
     depth[side // 2, side // 2, -1] = 1.0  # the top is seen

@@ -15,8 +15,8 @@ from flowtree import device as devices
 from flowtree.kernels import fit_depths as kernels
 
 _SPLIT_FROM = 128  # an index is hundreds of products
-_LOOK = 5  # rounds from one look at the residual to the next
-_STALL = 0.03  # of the tolerance: a residual that falls by less between two looks is near its least
+_LOOK = 5  # rounds in which the residual must fall, for momentum comes and goes
+_STALL = 0.03  # of the tolerance: a residual that falls by less in those rounds is near its least
 _LEAST_LENGTH = 0.1  # voxels; a ray that grazes less weighs no more
 
 _LARGEST = 1e30
@@ -77,11 +77,11 @@ def fit_depths(
         inputs = [rays.depth, weights, sum_now, sum_last]
         outputs = [age, best, plain, momentum, residual]
         devices.launch(kernels.pace_rows, rays.blocks, inputs, outputs, device=device, split_from=2)
-        if done == iterations:
+        if done == iterations or _relative(plain, all_plain) <= tolerance:
             break
         if done % _LOOK == 0:
             left = _relative(best, all_weighted)
-            if _relative(plain, all_plain) <= tolerance or before - left <= _STALL * tolerance:
+            if before - left <= _STALL * tolerance:
                 break
             before = left
         inputs = [*rays.across, rays.views, residual, momentum, filled, now]
