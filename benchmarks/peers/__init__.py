@@ -1,0 +1,1 @@
+"""Programs that others would write for the workload, each with the means of one library."""
