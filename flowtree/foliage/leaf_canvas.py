@@ -74,11 +74,13 @@ class LeafCanvas:
         inside = np.clip((outline - np.abs(aside)) / self._pitch + 0.5, 0.0, 1.0) * (
             (along > 0) & (along < length)
         )
+        there = inside > 0.0
+        t, aside, outline = t[there], aside[there], outline[there]
         across = np.clip(np.abs(aside) / np.maximum(outline, 1e-6), 0.0, 1.0)
-        light = 1.0 + 0.05 * self._mottling[0][window] - 0.10 * across**4
+        light = 1.0 + 0.05 * self._mottling[0][window][there] - 0.10 * across**4
         # Halves are lit differently by the fold, which a few triangles show too weakly.
         light += np.where(aside > 0, 0.04, -0.04)
-        warmth = 0.05 * self._mottling[1][window] + 0.05 * across**3
+        warmth = 0.05 * self._mottling[1][window][there] + 0.05 * across**3
         if veins:
             wave = np.mod(veins * (t - 0.55 * slender * 2.0 * across**1.2 * (1.0 - 0.5 * t)), 1.0) - 0.5
             thin = np.exp(-((wave / 0.07) ** 2)) * (1.0 - across) ** 0.5
@@ -87,7 +89,7 @@ class LeafCanvas:
         rib = np.exp(-((aside / (0.012 * length * (1.2 - t))) ** 2))
         light += 0.28 * rib
         warmth += 0.08 * rib
-        self._over(window, inside, light, warmth, tint)
+        self._over(window, there, inside[there], light, warmth, tint)
 
     def stroke(
         self,
@@ -104,10 +106,10 @@ class LeafCanvas:
         half = 0.5 * (thick[0] + (thick[1] - thick[0]) * t)
         away = np.hypot(aside, np.maximum(np.maximum(-along, along - length), 0.0))
         inside = np.clip((half - away) / self._pitch + 0.5, 0.0, 1.0)
-        light = (
-            0.8 + 0.35 * np.sqrt(np.clip(1.0 - (aside / np.maximum(half, 1e-6)) ** 2, 0.0, 1.0)) + 0.15 * t
-        )
-        self._over(window, inside, light, np.zeros_like(light), tint)
+        there = inside > 0.0
+        t, off = t[there], aside[there] / np.maximum(half[there], 1e-6)
+        light = 0.8 + 0.35 * np.sqrt(np.clip(1.0 - off**2, 0.0, 1.0)) + 0.15 * t
+        self._over(window, there, inside[there], light, np.zeros_like(light), tint)
 
     def finish(self, mean: Floats, cutoff: float) -> NDArray[np.uint8]:
         """The picture (h, w, 4) uint8 sRGB, smaller by the finer samples, its colours settled by `settle`."""
@@ -136,23 +138,32 @@ class LeafCanvas:
     def _over(
         self,
         window: tuple[slice, slice],
+        there: NDArray[np.bool_],
         inside: Floats,
         light: Floats,
         warmth: Floats,
         tint: tuple[float, float, float],
     ) -> None:
-        color = np.clip(light, 0.3, 1.6)[:, :, None] * np.array(tint)
-        color = color * (1.0 + warmth[:, :, None] * np.array([1.2, 0.3, -0.8]))
-        share = inside[:, :, None]
-        before = self.cover[window][:, :, None]
-        # Where nothing was before, the colour counts in full: an edge must not fade to the canvas.
-        self.color[window] = np.where(
-            before + share > 0,
-            (color * share + self.color[window] * before * (1.0 - share))
-            / np.maximum(share + before * (1.0 - share), 1e-9),
-            self.color[window],
-        )
-        self.cover[window] = inside + self.cover[window] * (1.0 - inside)
+        """Lays a stamp over what is there.
+
+        Args:
+            window: that holds the stamp.
+            there: (h, w) of the window, its m pixels that the stamp covers; the rest stays as it is.
+            inside: (m,) > 0, how much of each pixel it covers.
+            light: (m,) relative brightness.
+            warmth: (m,) from blue to red.
+            tint: relative linear colour.
+        """
+        covered, colored = self.cover[window], self.color[window]
+        before = covered[there]
+        left = before * (1.0 - inside)  # where nothing was before, the colour counts in full
+        total = np.maximum(inside + left, 1e-9)
+        shade = np.clip(light, 0.3, 1.6)
+        for channel, warm in enumerate((1.2, 0.3, -0.8)):
+            color = shade * tint[channel] * (1.0 + warmth * warm)
+            beneath = colored[..., channel]
+            beneath[there] = (color * inside + beneath[there] * left) / total
+        covered[there] = inside + left
 
 
 def settle(color: Floats, cover: Floats, mean: Floats, cutoff: float) -> NDArray[np.uint8]:

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import linprog
 
 from flowtree import check
-from flowtree.foliage.leaf_canvas import Floats, settle
+from flowtree.foliage.leaf_canvas import settle
 from flowtree.foliage.load_leaf import load_leaf
 from flowtree.foliage.paint_leaf import LEAF_WIDTHS, paint_leaf
+from flowtree.foliage.trim_strip import trim_strip
 from flowtree.geometry.srgb import LIGHT_OF_BYTE
 from flowtree.model.mesh import Material, TreeMesh
 
@@ -124,7 +124,7 @@ def _strip(body: _Body, width: float, there: NDArray[np.bool_]) -> TreeMesh:
         width: of the texture [m].
         there: (h, w), texels that may be seen.
     """
-    along, half = _trim(body.bands, width, there)
+    along, half = trim_strip(body.bands, width, there)
     sides = np.array([-1.0, 0.0, 1.0] if body.planes == 1 else [-1.0, 1.0])
     columns = len(sides)
     s = np.repeat(along, columns)
@@ -166,28 +166,3 @@ def _strip(body: _Body, width: float, there: NDArray[np.bool_]) -> TreeMesh:
         uvs=np.tile(np.stack([0.5 + x / width, 1.0 - s], axis=1), (body.planes, 1)).astype(np.float32),
         triangles=np.concatenate(triangles).astype(np.int32),
     )
-
-
-def _trim(bands: int, width: float, there: NDArray[np.bool_]) -> tuple[Floats, Floats]:
-    """Where a strip of ``bands`` trapezoids has its corners, so that it holds every texel and little else.
-
-    Returns: (bands + 1,) places along the leaf, 0..1, and half widths there [m]: the least area, a linear
-        programme for given places. With two bands the place between them is searched too.
-    """
-    rows, columns = there.shape
-    away = (np.abs(np.arange(columns) + 0.5 - columns / 2) + 0.5) * (width / columns)
-    reach = np.where(there.any(axis=1), np.max(np.where(there, away, 0.0), axis=1), 0.0)
-    height = 1.0 - (np.arange(rows) + 0.5) / rows
-    inner = [np.linspace(0.0, 1.0, bands + 1)[1:-1]]
-    if bands == 2:
-        inner = [np.array([place]) for place in np.linspace(0.2, 0.8, 7)]
-    best: tuple[float, Floats, Floats] | None = None
-    for places in inner:
-        along = np.concatenate([[0.0], places, [1.0]])
-        shares = np.array([np.interp(height, along, corner) for corner in np.eye(bands + 1)])
-        area = 0.5 * np.convolve(np.diff(along), [1.0, 1.0])
-        found = linprog(area, A_ub=-shares.T, b_ub=-reach, bounds=(0.005, 0.5 * width), method="highs")
-        if best is None or found.fun < best[0]:
-            best = float(found.fun), along, np.asarray(found.x, np.float64)
-    assert best is not None
-    return best[1], best[2]
