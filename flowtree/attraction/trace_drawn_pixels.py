@@ -23,8 +23,6 @@ def trace_drawn_pixels(drawn: NDArray[np.bool_]) -> list[NDArray[np.float64]]:
 
     Returns: polylines (k, 2) as (x, y) [pixels], centres at +0.5; dots give none.
     """
-    from skimage.morphology import skeletonize  # slow to load, and only drawings and bare trees need it
-
     skeleton = np.asarray(skeletonize(drawn), np.bool_)  # type: ignore[no-untyped-call]
     cells = [(int(row), int(column)) for row, column in np.argwhere(skeleton)]
     known = set(cells)
