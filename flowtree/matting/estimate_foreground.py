@@ -35,8 +35,15 @@ def estimate_foreground(rgb: NDArray[np.uint8], alpha: NDArray[np.float32]) -> N
     for reach in _REACHES:
         front = _spread(front, cover, reach)
         back = _spread(back, rest, reach)
-        front = np.clip(front + cover * (image - cover * front - rest * back), 0.0, 1.0)
-    result: NDArray[np.uint8] = np.rint(front * np.float32(255.0)).astype(np.uint8)
+        # Written over itself: fresh memory costs more than the arithmetic on it.
+        missing = cover * front
+        np.subtract(image, missing, out=missing)
+        missing -= rest * back
+        missing *= cover
+        front += missing
+        np.clip(front, 0.0, 1.0, out=front)
+    front *= np.float32(255.0)
+    result: NDArray[np.uint8] = np.rint(front, out=front).astype(np.uint8)
     return np.ascontiguousarray(result[..., :3])
 
 
@@ -52,11 +59,13 @@ def _spread(colour: NDArray[Any], weight: NDArray[Any], reach: float) -> NDArray
     window = 2 * max(1, round(reach * size)) + 1
     sums = colour * weight
     sums[..., 3] = weight[..., 3]
-    total = cv2.blur(sums, (window, window), borderType=cv2.BORDER_REFLECT)
-    share = np.float32(1.0)
+    total: NDArray[Any] = cv2.blur(sums, (window, window), borderType=cv2.BORDER_REFLECT)
+    share, wide = np.float32(1.0), np.empty_like(sums)
     while window <= size // 2:
         window, share = 4 * window + 1, share * np.float32(1e-3)
-        total += share * cv2.blur(sums, (window, window), borderType=cv2.BORDER_REFLECT)
-    mass = cv2.merge([cv2.extractChannel(total, 3)] * 4)
-    spread: NDArray[Any] = total / np.maximum(mass, np.float32(1e-12))
-    return spread
+        cv2.blur(sums, (window, window), wide, borderType=cv2.BORDER_REFLECT)
+        wide *= share
+        total += wide
+    mass = cv2.merge([cv2.extractChannel(total, 3)] * 4, wide)
+    total /= np.maximum(mass, np.float32(1e-12), out=mass)
+    return total
