@@ -55,6 +55,7 @@ def time_programs(
     validate: Callable[[T], bool],
     runs: int,
     steps: Callable[[T], int] | None = None,
+    patience: float = math.inf,
 ) -> list[Case]:
     """Times programs that compute the same, in turn in this process.
 
@@ -69,6 +70,7 @@ def time_programs(
         validate: whether a result is right; it may print why not.
         runs: how often each is timed.
         steps: reads from a result how often a particle was moved.
+        patience: [s] of timed runs after which a program that is slow is timed no more.
 
     Raises:
         InputError: no run was asked for.
@@ -84,7 +86,7 @@ def time_programs(
     seconds: dict[str, list[float]] = {name: [] for name in programs}
     for _ in range(runs):
         for name, program in programs.items():
-            if valid[name]:
+            if valid[name] and sum(seconds[name]) < patience:
                 seconds[name].append(_time(program))
     return [_sum_up(case, size, name, seconds[name], work[name], valid[name]) for name in programs]
 
@@ -124,14 +126,14 @@ def print_cases(cases: Iterable[Case]) -> None:
         print(f"{name} {one.median_s:.{digits}f} s ({spread}{each})", flush=True)
 
 
-def write_report(cases: Iterable[Case], file: Path) -> None:
-    """Writes machine and cases as JSON.
+def write_report(cases: Iterable[Case], file: Path, **more: Any) -> None:
+    """Writes machine and cases as JSON, and what else there is to say under names of its own.
 
     Raises:
         OutputError: the file could not be written.
     """
     rows = [{k: None if v != v else v for k, v in asdict(case).items()} for case in cases]
-    report = {"machine": list_machine(), "cases": rows}
+    report = {"machine": list_machine(), "cases": rows, **more}
     write_whole(file, (json.dumps(report, indent=1, allow_nan=False) + "\n").encode())
 
 

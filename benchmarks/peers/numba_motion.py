@@ -47,7 +47,7 @@ _ALL = i4(CELLS * CELLS)
 
 
 @njit(forceinline=True, **OPTIONS)
-def _look_up(field, cell, s, count):
+def look_up(field, cell, s, count):
     """The sum of both fields' vectors at the stage's places."""
     for k in range(count):
         i = index(k)
@@ -85,7 +85,7 @@ def _look_up(field, cell, s, count):
 @njit(forceinline=True, **OPTIONS)
 def _run_stage(field, cell, s, count, per_radius, weight, ahead):
     """Adds the stage's velocity and acceleration to the sums; the next lies ``ahead`` of the beginning."""
-    _look_up(field, cell, s, count)
+    look_up(field, cell, s, count)
     for k in range(count):
         i = index(k)
         x, y, z = s[_SX + i], s[_SY + i], s[_SZ + i]

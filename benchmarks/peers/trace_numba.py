@@ -17,6 +17,7 @@ from numba import njit
 from benchmarks.peers.numba_motion import FAR, MOST, OPTIONS, move, scratch_space
 from benchmarks.peers.numba_neighbours import WIDTH, count_cells, lay_out_cells, search, sort_particles
 from benchmarks.workload import MOST_STEPS, RESPONSE, Traced, Workload
+from flowtree.device import thread_count
 
 _SPACINGS = np.float32(1.6)  # width of a cell
 _SERIAL_BELOW = 100  # living particles: a parallel loop costs a microsecond or two
@@ -36,7 +37,7 @@ def trace_numba(workload: Workload, *, threads: int | None = None) -> Traced:
 
     Within a step they are in the order of the cells.
     """
-    threads = numba.config.NUMBA_NUM_THREADS if threads is None else threads
+    threads = thread_count() if threads is None else threads
     count = len(workload.start)
     joined, end_step = np.full(count, -1, i4), np.full(count, -1, i4)
     numba.set_num_threads(threads)
