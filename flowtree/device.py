@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
+from threading import Lock
 from types import ModuleType
 from typing import Any
 
@@ -43,6 +44,9 @@ def _start_warp() -> None:
 _start_warp()
 # Below this many indices a second core costs more than it saves: a launch alone costs about 9 microseconds.
 _SPLIT_FROM = 4096
+# Threads of one launch that may wait for each other: beyond this many they share out too little.
+_MOST_TOGETHER = 64
+_TOGETHER = Lock()
 
 
 def pick_device(name: str | None = None) -> str:
@@ -61,12 +65,15 @@ def pick_device(name: str | None = None) -> str:
     return wanted
 
 
-def thread_count() -> int:
-    """Cores to launch on: ``FLOWTREE_THREADS``, else all that this process may use.
+def thread_count(threads: int | None = None) -> int:
+    """Cores to launch on: as given, else ``FLOWTREE_THREADS``, else all that this process may use.
 
     Raises:
-        InputError: the variable is not a positive whole number.
+        InputError: either is not a positive whole number.
     """
+    if threads is not None:
+        check.require(threads > 0, "threads", "must be at least 1", threads, "give more, or leave it out")
+        return threads
     text = os.environ.get("FLOWTREE_THREADS", "")
     if not text:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -106,16 +113,18 @@ def launch(
     *,
     device: str,
     split_from: int = _SPLIT_FROM,
+    threads: int | None = None,
 ) -> None:
     """Runs a one-dimensional kernel over ``count`` indices, on all cores when the device is the CPU.
 
     The kernel's first argument is its first index (``i = first + wp.tid()``): that is how a range is split.
     Each index is computed exactly as it would be alone, so the number of cores does not change a byte.
-    Fewer indices than ``split_from`` stay on one core: less where each index is much work.
+    Fewer indices than ``split_from`` stay on one core: less where each index is much work. ``threads`` are
+    the cores at most; `thread_count` says how many otherwise.
     """
     if count <= 0:
         return
-    threads = 1 if device != "cpu" or count < split_from else min(thread_count(), count)
+    threads = 1 if device != "cpu" or count < split_from else min(thread_count(threads), count)
     arguments = [*inputs, *outputs]
     if threads == 1:
         wp.launch(kernel, dim=count, inputs=[0, *arguments], device=device)
@@ -131,6 +140,40 @@ def launch(
     wp.launch(kernel, dim=count - bounds[-2], inputs=[bounds[-2], *arguments], device=device)
     for job in jobs:
         job.result()
+
+
+def launch_together(
+    kernel: Any, inputs: Sequence[Any], outputs: Sequence[Any], *, threads: int | None = None
+) -> None:
+    """Runs a kernel on the CPU with one index a core, all at once: they may wait for each other.
+
+    After its first index the kernel takes the number of them. One such launch runs at a time: two that share
+    their threads would wait for each other for ever.
+    """
+    count = min(thread_count(threads), _MOST_TOGETHER)
+    wp.load_module(kernel.module, device="cpu")
+    arguments = [count, *inputs, *outputs]
+    if count == 1:
+        wp.launch(kernel, dim=1, inputs=[0, *arguments], device="cpu")
+        return
+    with _TOGETHER:
+        team = _team(count)
+        jobs: list[Future[Any]] = []
+        try:
+            for rank in range(count):
+                job = team.submit(wp.launch, kernel, dim=1, inputs=[rank, *arguments], device="cpu")
+                jobs.append(job)
+        finally:
+            # An interrupt must not leave those that have begun waiting for those that have not.
+            for rank in range(len(jobs), count):
+                team.submit(wp.launch, kernel, dim=1, inputs=[rank, *arguments], device="cpu")
+        for job in jobs:
+            job.result()
+
+
+@lru_cache(maxsize=4)
+def _team(threads: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(threads, thread_name_prefix="flowtree-team")
 
 
 @lru_cache(maxsize=4)

@@ -29,6 +29,9 @@ class FlowForces:
     attraction_radius: where it ends [m].
     response: time in which a single particle takes on the wanted velocity [m of way at unit speed].
     inertia: exponent of the mass in that time.
+    reach: two single particles nearer than this join [m].
+    growth: what the square root of the joint mass adds to it [m].
+    limbs: 1, a limb takes in at once all that come within its threshold; 0, mutual nearest neighbours join.
     pace: change of speed for each metre of way that a particle is late [1/m].
     """
 
@@ -36,6 +39,9 @@ class FlowForces:
     attraction_radius: float
     response: float
     inertia: float
+    reach: float
+    growth: float
+    limbs: int
     pace: float
 
 
@@ -52,15 +58,16 @@ def acceleration(
     at: wp.vec3,
     velocity: wp.vec3,
     neighbour: wp.vec3,
+    attraction: float,
     speed: float,
     rate: float,
 ):
     """Force over mass: what turns the velocity into the wanted one."""
-    wanted = wp.normalize(flow_direction(fields, at))
+    wanted = flow_direction(fields, at)
     gap = neighbour - at
     distance = wp.length(gap)
     if distance > 0.0 and distance < forces.attraction_radius:
-        wanted += gap * (forces.attraction * (1.0 - distance / forces.attraction_radius) / distance)
+        wanted += gap * (attraction * (1.0 - distance / forces.attraction_radius) / distance)
     return (wanted * speed - velocity) * rate
 
 
@@ -101,24 +108,26 @@ def advance_particles(
         begin_step_out[i] = number
     if now == 1:
         neighbour = x
+        attraction = float(0.0)
         if nearest[i] >= 0:
             neighbour = position[nearest[i]]
+            attraction = forces.attraction
         speed = wp.clamp(1.0 + forces.pace * (free_flow_time(times, x) - front), 0.4, 2.0)
         # Nobody answers faster than a step can follow: the method is stable up to a rate of 2.78 a step.
         rate = wp.min(1.0 / (forces.response * wp.pow(mass[i], forces.inertia)), 1.0 / step)
         v1 = v
-        a1 = acceleration(fields, forces, x, v1, neighbour, speed, rate)
+        a1 = acceleration(fields, forces, x, v1, neighbour, attraction, speed, rate)
         v2 = v + 0.5 * step * a1
-        a2 = acceleration(fields, forces, x + 0.5 * step * v1, v2, neighbour, speed, rate)
+        a2 = acceleration(fields, forces, x + 0.5 * step * v1, v2, neighbour, attraction, speed, rate)
         v3 = v + 0.5 * step * a2
-        a3 = acceleration(fields, forces, x + 0.5 * step * v2, v3, neighbour, speed, rate)
+        a3 = acceleration(fields, forces, x + 0.5 * step * v2, v3, neighbour, attraction, speed, rate)
         v4 = v + step * a3
-        a4 = acceleration(fields, forces, x + step * v3, v4, neighbour, speed, rate)
+        a4 = acceleration(fields, forces, x + step * v3, v4, neighbour, attraction, speed, rate)
         x += step / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4)
         v += step / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
         if wp.length(x) < arrival:
             now = 3
-            end_step_out[i] = number + 1
+            end_step_out[i] = number
     position_out[i] = x
     velocity_out[i] = v
     state_out[i] = now

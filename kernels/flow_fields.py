@@ -20,7 +20,8 @@ class FlowFields:
         up to 2 in the air, where the route alone is followed.
     route_corner: [m], of point (0, 0, 0).
     route_spacing: of the points [m].
-    pull: cosine between field and route above which the field is followed; below its negative the route is.
+    pull: cosine between field and route above which the field is followed; below its negative the route is;
+        0 for the fields alone, without any route.
     basin: [m], nearer to the foot than this, and under the ground, the straight way to the foot takes over,
         so that nobody flows past it.
     """
@@ -84,17 +85,33 @@ def route_vector(fields: FlowFields, at: wp.vec3):
 
 
 @wp.func
-def flow_direction(fields: FlowFields, at: wp.vec3):
-    """Average of the views' vectors and the pull to the basis, not normalised."""
-    total = wp.vec3(0.0, 0.0, 0.0)
-    for view in range(fields.vectors.shape[0]):
-        vector = view_vector(fields, view, at)
-        total += fields.right[view] * vector[0] + wp.vec3(0.0, vector[1], 0.0)
-    free = wp.min(wp.length(at) / fields.basin, 1.0) * wp.clamp(1.0 + at[1] / fields.basin, 0.0, 1.0)
-    along = wp.normalize(fields.combine * total)
+def follow_route(fields: FlowFields, at: wp.vec3, along: wp.vec3):
+    """The fields' direction, and where it leads away from the route, the route: a unit vector."""
     route = route_vector(fields, at)
     solid = wp.clamp(2.0 - wp.length(route), 0.0, 1.0)
     route = wp.normalize(route)
     trust = wp.clamp(0.5 + 0.5 * wp.dot(along, route) / fields.pull, 0.0, 1.0) * solid
-    along = along * trust + route * (1.0 - trust)
+    return wp.normalize(along * trust + route * (1.0 - trust))
+
+
+@wp.func
+def turn_to_foot(fields: FlowFields, at: wp.vec3, along: wp.vec3):
+    """A direction that gives way to the straight way to the foot near it and under the ground."""
+    free = wp.min(wp.length(at) / fields.basin, 1.0) * wp.clamp(1.0 + at[1] / fields.basin, 0.0, 1.0)
     return along * free - wp.normalize(at) * (1.0 - free)
+
+
+@wp.func
+def flow_direction(fields: FlowFields, at: wp.vec3):
+    """Where a particle wants to go: the average of the views' vectors, mixed with the route if there is one.
+
+    Of length 1, less where field and foot disagree, 0 where all fields are zero and no route leads on.
+    """
+    total = wp.vec3(0.0, 0.0, 0.0)
+    for view in range(fields.vectors.shape[0]):
+        vector = view_vector(fields, view, at)
+        total += fields.right[view] * vector[0] + wp.vec3(0.0, vector[1], 0.0)
+    along = wp.normalize(fields.combine * total)
+    if fields.pull > 0.0:
+        along = follow_route(fields, at, along)
+    return turn_to_foot(fields, at, along)

@@ -6,7 +6,8 @@ import numpy as np
 
 from flowtree.model.volume import DensityVolume
 
-_FEWEST, _MOST = 600, 2500  # the paper has 500 to 2000
+USUAL = 2500  # particles at most, unless asked for more; the paper has 500 to 2000
+_FEWEST = 600
 _PER_DEPTH = 6000.0  # particles for a crown whose optical depth, over all of a view, is the height squared
 
 
@@ -18,4 +19,4 @@ def count_particles(volume: DensityVolume) -> int:
     """
     height = volume.voxel * volume.density.shape[1]
     depth = float(volume.density.sum(dtype=np.float64)) * volume.voxel**3 / height**2
-    return int(np.clip(_PER_DEPTH * depth, _FEWEST, _MOST))
+    return int(np.clip(_PER_DEPTH * depth, _FEWEST, USUAL))

@@ -67,7 +67,8 @@ def join_traces(
     tip = origin + end
     goes_over = joined >= 0
     host = joined[goes_over]
-    parent[tip[goes_over]] = origin[host] + end[goes_over] + 1
+    # A host that arrives in the very step has no later place.
+    parent[tip[goes_over]] = origin[host] + np.minimum(end[goes_over] + 1, end[host])
     parent[tip[~goes_over]] = 0  # who arrived is connected to the root
     gap = np.linalg.norm(place[tip] - place[parent[tip]], axis=1)
     guest = goes_over & (np.linalg.norm(place[tip] - start, axis=1) > _OUTSIDE * gap)

@@ -99,7 +99,7 @@ STAGES: tuple[Stage, ...] = (
         outputs=("traces",),
         params=("flow",),
         seeded=True,
-        kernels=("time_flow", "cell_list", "find_nearest", "join_particles", "advance_particles"),
+        kernels=("time_flow", "run_flow"),  # on CUDA also those of `flow_in_launches`, where it runs
         share=0.3,
     ),
     Stage(

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flowtree.kernels.reference.flow_fields import flow_direction, normalize, sample_box
+from flowtree.kernels.reference.flow_fields import flow_direction, sample_box
 
 
 def free_flow_time(times: Any, at: NDArray[Any]) -> float:
@@ -21,16 +21,17 @@ def acceleration(
     at: NDArray[Any],
     velocity: NDArray[Any],
     neighbour: NDArray[Any],
+    attraction: float,
     speed: float,
     rate: float,
 ) -> NDArray[Any]:
     """Force over mass: what turns the velocity into the wanted one."""
-    wanted = normalize(flow_direction(fields, at))
+    wanted = flow_direction(fields, at)
     gap = neighbour - at
     distance = float(np.linalg.norm(gap))
     if 0.0 < distance < forces.attraction_radius:
         fade = 1.0 - distance / forces.attraction_radius
-        wanted = wanted + gap / distance * forces.attraction * fade
+        wanted = wanted + gap / distance * attraction * fade
     return np.asarray((wanted * speed - velocity) * rate)
 
 
@@ -63,16 +64,18 @@ def advance_particles(
             now, begin_step_out[i] = 1, number
         if now == 1:
             neighbour = np.asarray(position[nearest[i]] if nearest[i] >= 0 else x, np.float64)
+            attraction = float(forces.attraction) if nearest[i] >= 0 else 0.0
             speed = float(np.clip(1.0 + forces.pace * (free_flow_time(times, x) - front), 0.4, 2.0))
             rate = min(1.0 / (forces.response * float(mass[i]) ** forces.inertia), 1.0 / step)
 
             def change(
                 y: NDArray[Any],
                 neighbour: NDArray[Any] = neighbour,
+                attraction: float = attraction,
                 speed: float = speed,
                 rate: float = rate,
             ) -> NDArray[Any]:
-                pull = acceleration(fields, forces, y[:3], y[3:], neighbour, speed, rate)
+                pull = acceleration(fields, forces, y[:3], y[3:], neighbour, attraction, speed, rate)
                 return np.concatenate([y[3:], pull])
 
             y = np.concatenate([x, v])
@@ -83,5 +86,5 @@ def advance_particles(
             y = y + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
             x, v = y[:3], y[3:]
             if np.linalg.norm(x) < arrival:
-                now, end_step_out[i] = 3, number + 1
+                now, end_step_out[i] = 3, number
         position_out[i], velocity_out[i], state_out[i] = x, v, now

@@ -46,18 +46,29 @@ def route_vector(fields: Any, at: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(sample_box(fields.route, fields.route_corner, fields.route_spacing, at))
 
 
-def flow_direction(fields: Any, at: NDArray[Any]) -> NDArray[Any]:
-    """Average of the views' vectors and the pull to the basis, not normalised."""
-    total = np.zeros(3)
-    for view in range(fields.vectors.shape[0]):
-        across, up = view_vector(fields, view, at)
-        total = total + np.asarray(fields.right[view], np.float64) * across + [0.0, up, 0.0]
-    near = min(float(np.linalg.norm(at)) / fields.basin, 1.0)
-    free = near * np.clip(1.0 + at[1] / fields.basin, 0.0, 1.0)
-    along = normalize(np.asarray(fields.combine, np.float64).reshape(3, 3) @ total)
+def follow_route(fields: Any, at: NDArray[Any], along: NDArray[Any]) -> NDArray[Any]:
+    """The fields' direction, and where it leads away from the route, the route: a unit vector."""
     route = route_vector(fields, at)
     solid = np.clip(2.0 - np.linalg.norm(route), 0.0, 1.0)
     route = normalize(route)
     trust = np.clip(0.5 + 0.5 * (along @ route) / fields.pull, 0.0, 1.0) * solid
-    along = along * trust + route * (1.0 - trust)
+    return normalize(along * trust + route * (1.0 - trust))
+
+
+def turn_to_foot(fields: Any, at: NDArray[Any], along: NDArray[Any]) -> NDArray[Any]:
+    """A direction that gives way to the straight way to the foot near it and under the ground."""
+    near = min(float(np.linalg.norm(at)) / fields.basin, 1.0)
+    free = near * np.clip(1.0 + at[1] / fields.basin, 0.0, 1.0)
     return np.asarray(along * free - normalize(at) * (1.0 - free))
+
+
+def flow_direction(fields: Any, at: NDArray[Any]) -> NDArray[Any]:
+    """Where a particle wants to go: the views' vectors on average, mixed with the route if there is one."""
+    total = np.zeros(3)
+    for view in range(fields.vectors.shape[0]):
+        across, up = view_vector(fields, view, at)
+        total = total + np.asarray(fields.right[view], np.float64) * across + [0.0, up, 0.0]
+    along = normalize(np.asarray(fields.combine, np.float64).reshape(3, 3) @ total)
+    if fields.pull > 0.0:
+        along = follow_route(fields, at, along)
+    return turn_to_foot(fields, at, along)

@@ -1,0 +1,158 @@
+"""Particles flow until all have arrived or joined, and every step is recorded (Particle Flows, section 6)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import warp as wp
+from numpy.typing import NDArray
+
+from flowtree import check, device
+from flowtree.flow.flow_in_launches import flow_in_launches
+from flowtree.flow.flow_record import FlowRecord
+from flowtree.kernels.advance_particles import FlowForces, TimeGrid
+from flowtree.kernels.flow_fields import FlowFields
+from flowtree.kernels.nearest_in_block import LANES
+from flowtree.kernels.run_flow import run_flow
+from flowtree.kernels.swarm import Swarm
+
+_BLOCK = 4_000_000  # places recorded in one piece of memory
+
+
+def flow_particles(
+    start: NDArray[np.float32],
+    fields: FlowFields,
+    forces: FlowForces,
+    *,
+    step: float,
+    arrival: float,
+    steps: int,
+    times: TimeGrid | None = None,
+    start_time: NDArray[np.float32] | None = None,
+    threads: int | None = None,
+) -> FlowRecord:
+    """Solves equation 2 for all particles at once with the classical fourth-order Runge-Kutta method.
+
+    In each step every particle finds its nearest neighbour; those that meet join, mass and momentum are kept;
+    who is left moves on, drawn by the fields and by its neighbour. With ``forces.limbs`` 0 this is the
+    paper's method: mutual nearest neighbours under a threshold join, and all set off at once. On the CPU all
+    of it is one launch of a thread a core, `flowtree.kernels.run_flow`; on CUDA a launch a phase.
+
+    Args:
+        start: (n, 3) [m], where the particles begin.
+        fields: what they follow; its arrays say on which device.
+        forces: what acts on them besides.
+        step: of time [m at unit speed].
+        arrival: closer to the foot than this has arrived [m].
+        steps: after which it ends at the latest.
+        times: free-flow times for ``forces.pace``; left out where that is 0.
+        start_time: (n,) [m], the free-flow time of each start: the near ones wait until the far ones have
+            come as near. Left out, all set off at once.
+        threads: cores on the CPU at most; left out, `device.thread_count` of them. It changes no byte.
+
+    Raises:
+        InputError: starts that are not finite.
+    """
+    check.array(start, "start", shape=(None, 3))
+    check.require(steps > 0, "steps", "must be at least 1", steps, "give more")
+    where = str(fields.vectors.device)
+    if times is None:
+        times = TimeGrid()
+        times.time, times.spacing = device.zeros((2, 2, 2), float, where), 1.0
+    latest = float(start_time.max()) if start_time is not None and len(start) else 0.0
+    begin = _begin_steps(start_time, latest, step, len(start))
+    if not len(start):
+        return FlowRecord.of_nobody()
+    if where != "cpu":
+        return flow_in_launches(
+            start, fields, forces, times, begin, latest=latest, step=step, arrival=arrival, steps=steps
+        )
+    return _run(start, fields, forces, times, begin, latest, step, arrival, steps, threads)
+
+
+def _begin_steps(
+    start_time: NDArray[np.float32] | None, latest: float, step: float, count: int
+) -> NDArray[np.int32]:
+    """(n,) the step in which each particle sets off."""
+    if start_time is None:
+        return np.zeros(count, np.int32)
+    return np.ceil((latest - start_time.astype(np.float64)) / step - 1e-6).clip(min=0).astype(np.int32)
+
+
+def _run(
+    start: NDArray[np.float32],
+    fields: FlowFields,
+    forces: FlowForces,
+    times: TimeGrid,
+    begin: NDArray[np.int32],
+    latest: float,
+    step: float,
+    arrival: float,
+    steps: int,
+    threads: int | None,
+) -> FlowRecord:
+    count = len(start)
+    ranks = device.thread_count(threads)
+    order = np.argsort(begin, kind="stable").astype(np.int32)
+    off = np.searchsorted(begin[order], np.arange(steps + 1), side="right").astype(np.int32)
+    cells = count + 64
+    swarm = _make_swarm(count, cells, ranks)
+    sorted_places = [device.empty(count + LANES, float, "cpu") for _ in range(3)]
+    inputs = [
+        steps,
+        0,
+        cells,
+        device.upload(start, wp.vec3, "cpu"),
+        device.upload(order, int, "cpu"),
+        device.upload(off, int, "cpu"),
+        fields,
+        forces,
+        times,
+        latest,
+        step,
+        arrival,
+    ]
+    blocks, bounds, number = [], [np.zeros(1, np.int64)], 0
+    while True:
+        capacity = inputs[1] = max(count, min(_BLOCK, count * (steps - number)))
+        swarm.points = device.empty(capacity, wp.vec3, "cpu")
+        swarm.particle = device.empty(capacity, int, "cpu")
+        swarm.begin = device.zeros(steps + 1, int, "cpu")
+        swarm.arrived = device.zeros(1, int, "cpu")
+        device.launch_together(run_flow, inputs, [*sorted_places, swarm], threads=ranks)
+        _, now, _, done = swarm.progress.numpy().tolist()
+        ends = swarm.begin.numpy()[number + 1 : now + 1].astype(np.int64)
+        blocks.append((swarm.points.numpy()[: ends[-1]], swarm.particle.numpy()[: ends[-1]]))
+        bounds.append(bounds[-1][-1] + ends)
+        number = now
+        if done or number == steps:
+            break
+    return FlowRecord(
+        blocks=tuple(blocks),
+        begin=np.concatenate(bounds),
+        begin_step=np.where(begin < number, begin, -1).astype(np.int32),
+        end_step=swarm.end_step.numpy(),
+        joined=swarm.joined.numpy(),
+    )
+
+
+def _make_swarm(count: int, cells: int, ranks: int) -> Swarm:
+    swarm: Any = Swarm()
+    kinds: dict[Any, tuple[str, ...]] = {
+        wp.vec3: ("place", "velocity", "velocities"),
+        float: ("mass", "rate", "masses", "rates"),
+        int: ("number", "cell", "nearest", "moved", "before", "host", "taken"),
+    }
+    for kind, names in kinds.items():
+        for name in names:
+            setattr(swarm, name, device.empty(count, kind, "cpu"))
+    nobody = np.full(count, -1, np.int32)
+    swarm.joined, swarm.end_step = (device.upload(nobody.copy(), int, "cpu") for _ in range(2))
+    swarm.first = device.empty(cells + 1, int, "cpu")
+    swarm.held = device.zeros((ranks, cells), int, "cpu")
+    swarm.counted = device.empty(ranks, int, "cpu")
+    swarm.lowest, swarm.highest = (device.empty(ranks, wp.vec3, "cpu") for _ in range(2))
+    swarm.heaviest = device.empty(ranks, float, "cpu")
+    swarm.progress = device.zeros(4, int, "cpu")
+    return swarm

@@ -1,0 +1,175 @@
+"""Who goes over to whom, and what becomes of those that take others in (section 6)."""
+
+import warp as wp
+
+from flowtree.kernels.advance_particles import FlowForces
+from flowtree.kernels.living_cells import LivingCells, cell_along
+from flowtree.kernels.swarm import Swarm
+
+wp.set_module_options({"enable_backward": False})
+
+
+@wp.struct
+class Meeting:
+    """A particle after it has met others: where it goes on from, or that it does not."""
+
+    place: wp.vec3
+    velocity: wp.vec3
+    mass: float
+    alive: int
+    grown: int
+
+
+@wp.func
+def find_host(
+    swarm: Swarm,
+    cells: LivingCells,
+    forces: FlowForces,
+    x: wp.array[float],
+    y: wp.array[float],
+    z: wp.array[float],
+    base: int,
+    heaviest: float,
+    i: int,
+):
+    """The heavier particle (of equals the one of lower number) whose threshold i has gone past farthest."""
+    mass = swarm.masses[i]
+    number = swarm.particle[base + i]
+    far = wp.min(
+        forces.reach + forces.growth * (wp.sqrt(mass + heaviest) - 1.0),
+        wp.max(forces.attraction_radius, forces.reach),
+    )
+    left = cell_along(cells, 0, cells.nx, x[i] - far)
+    right = cell_along(cells, 0, cells.nx, x[i] + far)
+    row_z = cell_along(cells, 2, cells.nz, z[i] - far)
+    front = cell_along(cells, 2, cells.nz, z[i] + far)
+    low = cell_along(cells, 1, cells.ny, y[i] - far)
+    high = cell_along(cells, 1, cells.ny, y[i] + far)
+    host = int(-1)
+    deepest = float(1.0)
+    while row_z <= front:
+        row_y = int(low)
+        while row_y <= high:
+            row = cells.nx * (row_y + cells.ny * row_z)
+            k = swarm.first[row + left]
+            stop = swarm.first[row + right + 1]
+            while k < stop:
+                dx = x[k] - x[i]
+                dy = y[k] - y[i]
+                dz = z[k] - z[i]
+                square = dx * dx + dy * dy + dz * dz
+                if square <= far * far and k != i:
+                    other = swarm.masses[k]
+                    if other > mass or (other == mass and swarm.particle[base + k] < number):
+                        threshold = forces.reach + forces.growth * (wp.sqrt(mass + other) - 1.0)
+                        threshold = wp.min(threshold, wp.max(forces.attraction_radius, forces.reach))
+                        depth = square / (threshold * threshold)
+                        if depth < deepest or (
+                            depth == deepest
+                            and (host < 0 or swarm.particle[base + k] < swarm.particle[base + host])
+                        ):
+                            deepest = depth
+                            host = k
+                k += 1
+            row_y += 1
+        row_z += 1
+    return host
+
+
+@wp.func
+def meet_pair(
+    swarm: Swarm,
+    forces: FlowForces,
+    x: wp.array[float],
+    y: wp.array[float],
+    z: wp.array[float],
+    base: int,
+    number: int,
+    i: int,
+):
+    """The paper's rule: two that are each other's nearest and nearer than the threshold become one."""
+    met = Meeting()
+    met.place = wp.vec3(x[i], y[i], z[i])
+    met.velocity = swarm.velocities[i]
+    met.mass = swarm.masses[i]
+    met.alive = 1
+    met.grown = 0
+    j = swarm.nearest[i]
+    if j >= 0:
+        if swarm.nearest[j] == i:
+            there = wp.vec3(x[j], y[j], z[j])
+            if wp.length_sq(there - met.place) < forces.reach * forces.reach:
+                me = swarm.particle[base + i]
+                other = swarm.masses[j]
+                if other > met.mass or (other == met.mass and swarm.particle[base + j] < me):
+                    met.alive = 0
+                    swarm.moved[i] = -2 - j
+                    swarm.joined[me] = swarm.particle[base + j]
+                    swarm.end_step[me] = number
+                else:
+                    total = met.mass + other
+                    met.place = (met.place * met.mass + there * other) / total
+                    met.velocity = (met.velocity * met.mass + swarm.velocities[j] * other) / total
+                    met.mass = total
+                    met.grown = 1
+    return met
+
+
+@wp.func
+def meet_limb(
+    swarm: Swarm,
+    cells: LivingCells,
+    forces: FlowForces,
+    x: wp.array[float],
+    y: wp.array[float],
+    z: wp.array[float],
+    base: int,
+    number: int,
+    i: int,
+):
+    """A limb takes in at once all that have it for their host, unless it goes over to another itself."""
+    met = Meeting()
+    met.place = wp.vec3(x[i], y[i], z[i])
+    met.velocity = swarm.velocities[i]
+    met.mass = swarm.masses[i]
+    met.alive = 1
+    met.grown = swarm.taken[i]
+    host = swarm.host[i]
+    if host >= 0:
+        if swarm.host[host] < 0:
+            me = swarm.particle[base + i]
+            met.alive = 0
+            swarm.moved[i] = -2 - host
+            swarm.joined[me] = swarm.particle[base + host]
+            swarm.end_step[me] = number
+    if met.grown == 1:
+        # No guest is heavier than its host, so none is farther away than this.
+        far = forces.reach + forces.growth * (wp.sqrt(2.0 * met.mass) - 1.0)
+        total = met.mass
+        moment = met.mass * met.place
+        momentum = met.mass * met.velocity
+        left = cell_along(cells, 0, cells.nx, x[i] - far)
+        right = cell_along(cells, 0, cells.nx, x[i] + far)
+        row_z = cell_along(cells, 2, cells.nz, z[i] - far)
+        front = cell_along(cells, 2, cells.nz, z[i] + far)
+        low = cell_along(cells, 1, cells.ny, y[i] - far)
+        high = cell_along(cells, 1, cells.ny, y[i] + far)
+        while row_z <= front:
+            row_y = int(low)
+            while row_y <= high:
+                row = cells.nx * (row_y + cells.ny * row_z)
+                k = swarm.first[row + left]
+                stop = swarm.first[row + right + 1]
+                while k < stop:
+                    if swarm.host[k] == i:
+                        other = swarm.masses[k]
+                        total += other
+                        moment += other * wp.vec3(x[k], y[k], z[k])
+                        momentum += other * swarm.velocities[k]
+                    k += 1
+                row_y += 1
+            row_z += 1
+        met.place = moment / total
+        met.velocity = momentum / total
+        met.mass = total
+    return met

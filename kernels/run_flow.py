@@ -1,0 +1,249 @@
+"""The whole flow in one launch of a thread a core: sort, find, join, advance, record (section 6)."""
+
+import warp as wp
+
+from flowtree.kernels.advance_block import advance_block, response_rate
+from flowtree.kernels.advance_particles import FlowForces, TimeGrid
+from flowtree.kernels.flow_fields import FlowFields
+from flowtree.kernels.living_cells import fit_cells, share_of
+from flowtree.kernels.meet_others import find_host
+from flowtree.kernels.nearest_in_block import BLOCK, LANES, find_nearest_in_block
+from flowtree.kernels.swarm import (
+    NOBODY,
+    Swarm,
+    count_in_cell,
+    count_range,
+    number_range,
+    set_off,
+    sort_range,
+)
+from flowtree.kernels.wait_for_all import wait_for_all
+
+# Loops over the lanes of a block must stay loops: the compiler makes vector instructions of sixteen rounds.
+wp.set_module_options({"enable_backward": False, "max_unroll": 8})
+
+ALONE = wp.constant(160)  # living particles below which threads cost more than they save
+
+
+@wp.kernel
+def run_flow(
+    # in:
+    first: int,
+    ranks: int,
+    steps: int,  # at which to stop at the latest
+    capacity: int,  # of the record: stops where another step might not fit
+    most_cells: int,
+    start: wp.array[wp.vec3],  # [m]
+    order: wp.array[int],  # particles in the order in which they set off
+    off: wp.array[int],  # (steps + 1,), how many have set off at each step's beginning
+    fields: FlowFields,
+    forces: FlowForces,
+    times: TimeGrid,
+    latest: float,  # [m], free-flow time at which particles should be in step 0
+    step: float,  # of time [m at unit speed]
+    arrival: float,  # [m], closer to the foot than this is there
+    # out:
+    x_out: wp.array[float],  # sorted, LANES longer than there are particles
+    y_out: wp.array[float],
+    z_out: wp.array[float],
+    swarm_out: Swarm,
+):
+    """Steps on from where ``swarm_out`` stands until nobody is under way, and keeps every step.
+
+    Index ``first`` is one of ``ranks`` threads that run at once, each with its share of the particles; they
+    wait for each other five times a step (six where limbs take in). What a thread computes depends on no
+    other's share: any number of threads gives the same bytes. Cells follow the count and the box of the
+    living, step by step. When few are left, the first thread does all.
+    """
+    rank = first + wp.tid()
+    threads = int(ranks)
+    turn = int(0)
+    count = swarm_out.progress[0]
+    number = swarm_out.progress[1]
+    gone = swarm_out.progress[2]
+    base = int(0)
+    single = response_rate(forces, 1.0, step)
+    lowest = wp.vec3(NOBODY, NOBODY, NOBODY)
+    highest = -lowest
+    low = share_of(count, rank, threads)
+    high = share_of(count, rank + 1, threads)
+    i = int(low)
+    while i < high:
+        if swarm_out.cell[i] >= 0:
+            lowest = wp.min(lowest, swarm_out.place[i])
+            highest = wp.max(highest, swarm_out.place[i])
+        i += 1
+    if rank == threads - 1:
+        set_off(swarm_out, start, order, gone, off[number], single, count)
+        i = int(count)
+        while i < count + off[number] - gone:
+            lowest = wp.min(lowest, swarm_out.place[i])
+            highest = wp.max(highest, swarm_out.place[i])
+            i += 1
+        high = count + off[number] - gone
+    count += off[number] - gone
+    gone = off[number]
+    swarm_out.lowest[rank] = lowest
+    swarm_out.highest[rank] = highest
+    turn += threads
+    wait_for_all(swarm_out.arrived, turn)
+    for r in range(threads):
+        lowest = wp.min(lowest, swarm_out.lowest[r])
+        highest = wp.max(highest, swarm_out.highest[r])
+    cells = fit_cells(lowest, highest, count, most_cells)
+    i = int(low)
+    while i < high:
+        if swarm_out.cell[i] >= 0:
+            count_in_cell(swarm_out, cells, rank, i)
+        i += 1
+    turn += threads
+    wait_for_all(swarm_out.arrived, turn)
+    going = bool(True)
+    done = int(0)
+    while going:
+        # Sort: how many before each cell, then every particle to its place.
+        total = cells.nx * cells.ny * cells.nz
+        low_cell = share_of(total, rank, threads)
+        high_cell = share_of(total, rank + 1, threads)
+        swarm_out.counted[rank] = count_range(swarm_out, low_cell, high_cell, threads)
+        turn += threads
+        wait_for_all(swarm_out.arrived, turn)
+        before = int(0)
+        living = int(0)
+        for r in range(threads):
+            before += wp.where(r < rank, swarm_out.counted[r], 0)
+            living += swarm_out.counted[r]
+        number_range(swarm_out, low_cell, high_cell, before, threads)
+        if rank == 0:
+            swarm_out.first[total] = living
+        turn += threads
+        wait_for_all(swarm_out.arrived, turn)
+        sort_range(swarm_out, rank, low, high, base, x_out, y_out, z_out)
+        if rank == 0:
+            lane = int(0)
+            while lane < LANES:
+                x_out[living + lane] = NOBODY
+                y_out[living + lane] = NOBODY
+                z_out[living + lane] = NOBODY
+                lane += 1
+        turn += threads
+        wait_for_all(swarm_out.arrived, turn)
+        # Find: the nearest of each, and where limbs take in, its host.
+        count = living
+        low = share_of(count, rank, threads)
+        high = share_of(count, rank + 1, threads)
+        lowest = wp.vec3(NOBODY, NOBODY, NOBODY)
+        highest = -lowest
+        heaviest = float(1.0)
+        for r in range(threads):
+            lowest = wp.min(lowest, swarm_out.lowest[r])
+            highest = wp.max(highest, swarm_out.highest[r])
+            heaviest = wp.max(heaviest, swarm_out.heaviest[r])
+        c = int(0)
+        while c < total:
+            swarm_out.held[rank, c] = 0
+            c += 1
+        block = int(low)
+        while block < high:
+            find_nearest_in_block(
+                cells,
+                swarm_out.first,
+                x_out,
+                y_out,
+                z_out,
+                count,
+                swarm_out.before,
+                swarm_out.moved,
+                forces.attraction_radius,
+                block,
+                wp.min(block + BLOCK, high),
+                swarm_out.nearest,
+            )
+            block += BLOCK
+        if forces.limbs == 1:
+            i = int(low)
+            while i < high:
+                swarm_out.host[i] = find_host(
+                    swarm_out, cells, forces, x_out, y_out, z_out, base, heaviest, i
+                )
+                i += 1
+            turn += threads
+            wait_for_all(swarm_out.arrived, turn)
+            i = int(low)
+            while i < high:
+                host = swarm_out.host[i]
+                if host >= 0:
+                    if swarm_out.host[host] < 0:
+                        swarm_out.taken[host] = 1  # whoever writes it writes the same
+                i += 1
+        turn += threads
+        wait_for_all(swarm_out.arrived, turn)
+        # Join and advance, and count in the cells of the next step: a little wider, since all have moved.
+        room = wp.vec3(2.0 * step, 2.0 * step, 2.0 * step)
+        next_cells = fit_cells(lowest - room, highest + room, count, most_cells)
+        front = latest - float(number) * step
+        block = int(low)
+        while block < high:
+            advance_block(
+                swarm_out,
+                cells,
+                next_cells,
+                fields,
+                forces,
+                times,
+                x_out,
+                y_out,
+                z_out,
+                base,
+                rank,
+                block,
+                wp.min(block + BLOCK, high),
+                number,
+                front,
+                step,
+                arrival,
+            )
+            block += BLOCK
+        cells = next_cells
+        base += count
+        number += 1
+        new = off[number] - gone
+        if rank == threads - 1:
+            set_off(swarm_out, start, order, gone, gone + new, single, count)
+            i = int(count)
+            while i < count + new:
+                count_in_cell(swarm_out, cells, rank, i)
+                i += 1
+            high = count + new
+        gone += new
+        if rank == 0:
+            swarm_out.begin[number] = base
+        turn += threads
+        wait_for_all(swarm_out.arrived, turn)
+        count += new
+        more = gone < off[steps]
+        if threads > 1 and count < ALONE and not more:
+            c = int(0)
+            while c < cells.nx * cells.ny * cells.nz:
+                swarm_out.held[rank, c] = 0
+                c += 1
+            threads = 1
+            low = 0
+            high = wp.where(rank == 0, count, 0)
+            i = int(0)
+            while i < high:
+                if swarm_out.cell[i] >= 0:
+                    count_in_cell(swarm_out, cells, 0, i)
+                i += 1
+        done = wp.where(living > 0 or new > 0 or more, 0, 1)
+        going = done == 0 and number < steps and base + count <= capacity and rank < threads
+    # Leaves no count behind for the next launch.
+    c = int(0)
+    while c < cells.nx * cells.ny * cells.nz:
+        swarm_out.held[rank, c] = 0
+        c += 1
+    if rank == 0:
+        swarm_out.progress[0] = count
+        swarm_out.progress[1] = number
+        swarm_out.progress[2] = gone
+        swarm_out.progress[3] = done
