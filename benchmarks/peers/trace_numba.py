@@ -2,7 +2,8 @@
 
 What was tried and is slower on two cores of an EPYC 9005: cells of 1.2 or 2 mean spacings; rings of cells
 outwards from the particle's own; candidates one by one (the search takes 2.3 times as long) or 32 together;
-places as triples; one loop a step for the motion (2.4 times); workqueue for the threading layer.
+places as triples; one loop a step for the motion (2.4 times); tbb or workqueue for the threading layer
+(1.3 and 10 times as long at 2,000 particles).
 
 Numba looks for a change only in the file whose functions it has cached: after one in `numba_motion` or
 `numba_neighbours` touch this file too.
