@@ -16,7 +16,9 @@ _NAMES = {
     "flowtree-1": "flowtree, one core",
     "numba": "Numba, all cores",
     "numpy": "NumPy + cKDTree, all cores",
-    "hashgrid": "Warp's HashGrid",
+    "hashgrid": "Warp's HashGrid, one core",
+    "flowtree-cuda": "flowtree, CUDA",
+    "hashgrid-cuda": "Warp's HashGrid, CUDA",
 }
 _COLOURS = {  # told apart with any kind of colour vision (Okabe and Ito)
     "flowtree": "#009e73",
@@ -24,6 +26,8 @@ _COLOURS = {  # told apart with any kind of colour vision (Okabe and Ito)
     "numba": "#d55e00",
     "numpy": "#0072b2",
     "hashgrid": "#cc79a7",
+    "flowtree-cuda": "#000000",
+    "hashgrid-cuda": "#e69f00",
 }
 _OTHER = "#555555"
 

@@ -29,7 +29,7 @@ _LONGEST = 60.0  # [s] of one run: slower programs are left out
 
 @dataclass(frozen=True)
 class Asked:
-    """How many times as fast as ``peer`` flowtree must be at a size; at any of them where size is None."""
+    """How many times as fast as ``peer`` flowtree must be at a size; at any of `SIZES` where it is None."""
 
     peer: str
     size: int | None
@@ -155,9 +155,8 @@ def _judge(cases: Sequence[Case]) -> bool:
         print(f"trace.{size}.flowtree {ratio:.2f} times as fast as {peer}")
     reached = True
     for asked in ASKED:
-        own = [ratio for (peer, size), ratio in ratios.items() if peer == asked.peer]
-        if asked.size is not None:
-            own = [ratios[asked.peer, asked.size]] if (asked.peer, asked.size) in ratios else []
+        sizes = SIZES if asked.size is None else (asked.size,)
+        own = [ratios[asked.peer, size] for size in sizes if (asked.peer, size) in ratios]
         if own:
             holds = max(own) >= asked.times
             where = "at one size" if asked.size is None else f"at {asked.size}"

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Protocol
 
 from benchmarks.peers.trace_hashgrid import trace_hashgrid
 from benchmarks.peers.trace_numba import trace_numba
 from benchmarks.peers.trace_numpy import trace_numpy
+from benchmarks.trace_flowtree import trace_flowtree
 from benchmarks.workload import Program, Traced, Workload
+from flowtree.device import pick_device
 
 
 class Threaded(Protocol):
@@ -18,7 +21,16 @@ class Threaded(Protocol):
 
 
 #: Those that take a number of cores.
-THREADED: dict[str, Threaded] = {"numba": trace_numba}
+THREADED: dict[str, Threaded] = {"flowtree": trace_flowtree, "numba": trace_numba}
 
 #: All of them; the first of those that run is what the others' results are compared with.
-PROGRAMS: dict[str, Program] = {"numpy": trace_numpy, **THREADED, "hashgrid": trace_hashgrid}
+PROGRAMS: dict[str, Program] = {
+    "numpy": trace_numpy,
+    "numba": trace_numba,
+    "hashgrid": trace_hashgrid,
+    "flowtree": trace_flowtree,
+    "flowtree-1": partial(trace_flowtree, threads=1),
+}
+if pick_device() != "cpu":
+    PROGRAMS["flowtree-cuda"] = partial(trace_flowtree, device=pick_device())
+    PROGRAMS["hashgrid-cuda"] = partial(trace_hashgrid, device=pick_device())

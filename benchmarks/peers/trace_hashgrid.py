@@ -20,7 +20,6 @@ from benchmarks.workload import (
     Traced,
     Workload,
 )
-from flowtree.device import pick_device
 
 wp.set_module_options({"enable_backward": False})
 
@@ -176,9 +175,9 @@ def _keep_living(
         who_out[to] = who[i]
 
 
-def trace_hashgrid(workload: Workload) -> Traced:
+def trace_hashgrid(workload: Workload, *, device: str = "cpu") -> Traced:
     """Traces all particles; records are lists of places and of particles, a device array a step each."""
-    count, where = len(workload.start), pick_device()
+    count, where = len(workload.start), device
     if not count:
         return Traced(np.empty(0, np.int32), np.empty(0, np.int32), 0, 0, ([], []))
     radius, threshold = workload.radius, workload.threshold

@@ -110,18 +110,31 @@ def _count_recorded(name, records):
         (x, y, z, who), lengths = records
         assert len(x) == len(y) == len(z) == lengths.sum()
         return np.bincount(who)
+    if name.startswith("flowtree"):
+        assert len(records.points) == records.particle_steps
+        return np.bincount(records.particle)
     places, particles = records
     assert [len(step) for step in places] == [len(step) for step in particles]
-    return np.bincount(np.concatenate([np.asarray(step) for step in particles]))
+    if name.startswith("hashgrid"):
+        particles = [step.numpy() for step in particles]
+    return np.bincount(np.concatenate(particles))
 
 
-@pytest.mark.parametrize("name", ["numpy", "numba", "hashgrid"])
+@pytest.mark.parametrize("name", PROGRAMS)
 def test_everybody_is_recorded_until_it_ends(name):
     workload, _ = _known(500)
     before = workload.start.copy()
     traced = PROGRAMS[name](workload)
     assert (_count_recorded(name, traced.records) == traced.end_step + 1).all()
     assert (workload.start == before).all(), "the next program starts from it"
+
+
+def test_flowtree_writes_the_same_bytes_on_one_core():
+    workload = make_workload(3000)
+    one, all_of_them = PROGRAMS["flowtree-1"](workload), PROGRAMS["flowtree"](workload)
+    assert one.records.points.tobytes() == all_of_them.records.points.tobytes()
+    assert one.records.particle.tobytes() == all_of_them.records.particle.tobytes()
+    assert one.joined.tobytes() == all_of_them.joined.tobytes()
 
 
 def test_numba_traces_the_same_on_one_core_and_twice_the_same_bytes():
