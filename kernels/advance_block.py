@@ -6,8 +6,8 @@ from flowtree.kernels.advance_particles import FlowForces, TimeGrid, free_flow_t
 from flowtree.kernels.flow_fields import FlowFields, follow_route, turn_to_foot
 from flowtree.kernels.living_cells import LivingCells
 from flowtree.kernels.meet_others import Meeting, meet_limb, meet_pair
-from flowtree.kernels.nearest_in_block import BLOCK, Floats, Wholes
-from flowtree.kernels.swarm import Swarm, count_in_cell
+from flowtree.kernels.nearest_in_block import BLOCK, NOT_NEGATIVE, Floats, Wholes
+from flowtree.kernels.swarm import MASS, RATE, Swarm, U, V, W, Y, Z, count_in_cell
 
 # Loops over the lanes of a block must stay loops: the compiler makes vector instructions of sixteen rounds.
 wp.set_module_options({"enable_backward": False, "max_unroll": 8})
@@ -27,9 +27,9 @@ def advance_block(
     fields: FlowFields,
     forces: FlowForces,
     times: TimeGrid,
-    x: wp.array[float],
-    y: wp.array[float],
-    z: wp.array[float],
+    left: wp.array[float],
+    listed: wp.array[float],
+    size: int,
     base: int,
     rank: int,
     first: int,
@@ -57,8 +57,10 @@ def advance_block(
     qz = Floats()
     pull = Floats()
     rate = Floats()
+    mass = Floats()
     speed = Floats()
     alive = Wholes()
+    meets = Wholes()
     tx = Floats()  # place and velocity of a stage
     ty = Floats()
     tz = Floats()
@@ -85,40 +87,68 @@ def advance_block(
     c5 = Floats()
     c6 = Floats()
     c7 = Floats()
+    at_x = first & NOT_NEGATIVE
+    wide = size & NOT_NEGATIVE
+    for q in range(BLOCK):
+        px[q] = listed[at_x + q]
+        py[q] = listed[Y * wide + at_x + q]
+        pz[q] = listed[Z * wide + at_x + q]
+        vx[q] = listed[U * wide + at_x + q]
+        vy[q] = listed[V * wide + at_x + q]
+        vz[q] = listed[W * wide + at_x + q]
+        mass[q] = listed[MASS * wide + at_x + q]
+        rate[q] = listed[RATE * wide + at_x + q]
+        speed[q] = float(1.0)
+        alive[q] = int(1)
+    # Most meet nobody: whether one does is asked without a branch.
     lane = int(0)
     while lane < n:
         i = first + lane
-        met = Meeting()
+        nearest = swarm.nearest[i]
+        j = wp.max(nearest, 0) & NOT_NEGATIVE
+        qx[lane] = listed[j]
+        qy[lane] = listed[Y * wide + j]
+        qz[lane] = listed[Z * wide + j]
+        pull[lane] = wp.where(nearest >= 0, forces.attraction, 0.0)
+        meets[lane] = wp.where(nearest >= 0 and swarm.nearest[j] == i, 1, 0)
         if forces.limbs == 1:
-            met = meet_limb(swarm, cells, forces, x, y, z, base, number, i)
-        else:
-            met = meet_pair(swarm, forces, x, y, z, base, number, i)
-        at = met.place
-        v = met.velocity
-        px[lane] = at[0]
-        py[lane] = at[1]
-        pz[lane] = at[2]
-        vx[lane] = v[0]
-        vy[lane] = v[1]
-        vz[lane] = v[2]
-        j = swarm.nearest[i]
-        # By the paper's rule the one that it took in was its nearest.
-        alone = j < 0 or (met.grown == 1 and forces.limbs == 0)
-        pull[lane] = wp.where(alone, 0.0, forces.attraction)
-        j = wp.max(j, 0)
-        qx[lane] = x[j]
-        qy[lane] = y[j]
-        qz[lane] = z[j]
-        rate[lane] = swarm.rates[i]
-        if met.grown == 1:
-            rate[lane] = response_rate(forces, met.mass, step)
-        speed[lane] = 1.0
-        if forces.pace > 0.0:
-            speed[lane] = wp.clamp(1.0 + forces.pace * (free_flow_time(times, at) - front), 0.4, 2.0)
-        alive[lane] = met.alive
-        swarm.mass[i] = met.mass
-        swarm.rate[i] = rate[lane]
+            meets[lane] = wp.where(swarm.host[i] >= 0 or swarm.taken[i] == 1, 1, 0)
         lane += 1
+    if forces.limbs == 0:
+        threshold = forces.reach * forces.reach
+        for q in range(BLOCK):
+            gx = qx[q] - px[q]
+            gy = qy[q] - py[q]
+            gz = qz[q] - pz[q]
+            meets[q] = wp.where(gx * gx + gy * gy + gz * gz < threshold, meets[q], 0)
+    lane = int(0)
+    while lane < n:
+        if meets[lane] == 1:
+            i = first + lane
+            met = Meeting()
+            if forces.limbs == 1:
+                met = meet_limb(swarm, cells, forces, listed, size, base, number, i)
+            else:
+                met = meet_pair(swarm, listed, size, base, number, i)
+            alive[lane] = met.alive
+            if met.grown == 1:
+                px[lane] = met.place[0]
+                py[lane] = met.place[1]
+                pz[lane] = met.place[2]
+                vx[lane] = met.velocity[0]
+                vy[lane] = met.velocity[1]
+                vz[lane] = met.velocity[2]
+                mass[lane] = met.mass
+                rate[lane] = response_rate(forces, met.mass, step)
+                if forces.limbs == 0:
+                    pull[lane] = 0.0  # the one that it took in was its nearest
+        lane += 1
+    if forces.pace > 0.0:
+        lane = int(0)
+        while lane < n:
+            time = free_flow_time(times, wp.vec3(px[lane], py[lane], pz[lane]))
+            speed[lane] = wp.clamp(1.0 + forces.pace * (time - front), 0.4, 2.0)
+            lane += 1
     for q in range(BLOCK):
         tx[q] = px[q]
         ty[q] = py[q]
@@ -133,7 +163,7 @@ def advance_block(
         uy[q] = float(0.0)
         uz[q] = float(0.0)
     rows = fields.vectors.shape[1]
-    columns = fields.vectors.shape[2]
+    columns = fields.vectors.shape[2] & NOT_NEGATIVE
     last_u = float(columns - 1)
     last_v = float(rows - 1)
     basin = fields.basin * fields.basin
@@ -163,7 +193,7 @@ def advance_block(
             flat = fields.vectors[view, 0]
             lane = int(0)
             while lane < n:
-                k = at_cell[lane]
+                k = at_cell[lane] & NOT_NEGATIVE
                 g0 = flat[k]
                 g1 = flat[k + 1]
                 g2 = flat[k + columns]
@@ -243,19 +273,42 @@ def advance_block(
         vx[q] = vx[q] + sixth * ux[q]
         vy[q] = vy[q] + sixth * uy[q]
         vz[q] = vz[q] + sixth * uz[q]
+    # Lanes beyond the last particle hold what is left of others: only whole blocks are written as such.
+    if n == BLOCK:
+        for q in range(BLOCK):
+            left[at_x + q] = px[q]
+            left[Y * wide + at_x + q] = py[q]
+            left[Z * wide + at_x + q] = pz[q]
+            left[U * wide + at_x + q] = vx[q]
+            left[V * wide + at_x + q] = vy[q]
+            left[W * wide + at_x + q] = vz[q]
+            left[MASS * wide + at_x + q] = mass[q]
+            left[RATE * wide + at_x + q] = rate[q]
+    else:
+        lane = int(0)
+        while lane < n:
+            left[at_x + lane] = px[lane]
+            left[Y * wide + at_x + lane] = py[lane]
+            left[Z * wide + at_x + lane] = pz[lane]
+            left[U * wide + at_x + lane] = vx[lane]
+            left[V * wide + at_x + lane] = vy[lane]
+            left[W * wide + at_x + lane] = vz[lane]
+            left[MASS * wide + at_x + lane] = mass[lane]
+            left[RATE * wide + at_x + lane] = rate[lane]
+            lane += 1
+    for q in range(BLOCK):
+        there_yet = px[q] * px[q] + py[q] * py[q] + pz[q] * pz[q] < arrival * arrival
+        meets[q] = wp.where(there_yet, alive[q], 0)
     lane = int(0)
     while lane < n:
         i = first + lane
-        to = wp.vec3(px[lane], py[lane], pz[lane])
         me = swarm.particle[base + i]
-        if alive[lane] == 1 and wp.length_sq(to) < arrival * arrival:
+        if meets[lane] == 1:
             alive[lane] = 0
             swarm.moved[i] = -1
             swarm.end_step[me] = number
-        swarm.place[i] = to
-        swarm.velocity[i] = wp.vec3(vx[lane], vy[lane], vz[lane])
         swarm.number[i] = me
         swarm.cell[i] = -1
         if alive[lane] == 1:
-            count_in_cell(swarm, next_cells, rank, i)
+            count_in_cell(swarm, left, size, next_cells, rank, i)
         lane += 1

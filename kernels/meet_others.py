@@ -4,7 +4,7 @@ import warp as wp
 
 from flowtree.kernels.advance_particles import FlowForces
 from flowtree.kernels.living_cells import LivingCells, cell_along
-from flowtree.kernels.swarm import Swarm
+from flowtree.kernels.swarm import MASS, Swarm, Y, Z, place_of, velocity_of
 
 wp.set_module_options({"enable_backward": False})
 
@@ -25,26 +25,25 @@ def find_host(
     swarm: Swarm,
     cells: LivingCells,
     forces: FlowForces,
-    x: wp.array[float],
-    y: wp.array[float],
-    z: wp.array[float],
+    listed: wp.array[float],
+    size: int,
     base: int,
     heaviest: float,
     i: int,
 ):
     """The heavier particle (of equals the one of lower number) whose threshold i has gone past farthest."""
-    mass = swarm.masses[i]
+    mass = listed[MASS * size + i]
     number = swarm.particle[base + i]
     far = wp.min(
         forces.reach + forces.growth * (wp.sqrt(mass + heaviest) - 1.0),
         wp.max(forces.attraction_radius, forces.reach),
     )
-    left = cell_along(cells, 0, cells.nx, x[i] - far)
-    right = cell_along(cells, 0, cells.nx, x[i] + far)
-    row_z = cell_along(cells, 2, cells.nz, z[i] - far)
-    front = cell_along(cells, 2, cells.nz, z[i] + far)
-    low = cell_along(cells, 1, cells.ny, y[i] - far)
-    high = cell_along(cells, 1, cells.ny, y[i] + far)
+    left = cell_along(cells, 0, cells.nx, listed[i] - far)
+    right = cell_along(cells, 0, cells.nx, listed[i] + far)
+    row_z = cell_along(cells, 2, cells.nz, listed[Z * size + i] - far)
+    front = cell_along(cells, 2, cells.nz, listed[Z * size + i] + far)
+    low = cell_along(cells, 1, cells.ny, listed[Y * size + i] - far)
+    high = cell_along(cells, 1, cells.ny, listed[Y * size + i] + far)
     host = int(-1)
     deepest = float(1.0)
     while row_z <= front:
@@ -54,12 +53,12 @@ def find_host(
             k = swarm.first[row + left]
             stop = swarm.first[row + right + 1]
             while k < stop:
-                dx = x[k] - x[i]
-                dy = y[k] - y[i]
-                dz = z[k] - z[i]
+                dx = listed[k] - listed[i]
+                dy = listed[Y * size + k] - listed[Y * size + i]
+                dz = listed[Z * size + k] - listed[Z * size + i]
                 square = dx * dx + dy * dy + dz * dz
                 if square <= far * far and k != i:
-                    other = swarm.masses[k]
+                    other = listed[MASS * size + k]
                     if other > mass or (other == mass and swarm.particle[base + k] < number):
                         threshold = forces.reach + forces.growth * (wp.sqrt(mass + other) - 1.0)
                         threshold = wp.min(threshold, wp.max(forces.attraction_radius, forces.reach))
@@ -79,39 +78,33 @@ def find_host(
 @wp.func
 def meet_pair(
     swarm: Swarm,
-    forces: FlowForces,
-    x: wp.array[float],
-    y: wp.array[float],
-    z: wp.array[float],
+    listed: wp.array[float],
+    size: int,
     base: int,
     number: int,
     i: int,
 ):
-    """The paper's rule: two that are each other's nearest and nearer than the threshold become one."""
+    """The paper's rule: two that are each other's nearest, and nearer than the threshold, become one."""
     met = Meeting()
-    met.place = wp.vec3(x[i], y[i], z[i])
-    met.velocity = swarm.velocities[i]
-    met.mass = swarm.masses[i]
+    met.place = place_of(listed, size, i)
+    met.velocity = velocity_of(listed, size, i)
+    met.mass = listed[MASS * size + i]
     met.alive = 1
     met.grown = 0
     j = swarm.nearest[i]
-    if j >= 0:
-        if swarm.nearest[j] == i:
-            there = wp.vec3(x[j], y[j], z[j])
-            if wp.length_sq(there - met.place) < forces.reach * forces.reach:
-                me = swarm.particle[base + i]
-                other = swarm.masses[j]
-                if other > met.mass or (other == met.mass and swarm.particle[base + j] < me):
-                    met.alive = 0
-                    swarm.moved[i] = -2 - j
-                    swarm.joined[me] = swarm.particle[base + j]
-                    swarm.end_step[me] = number
-                else:
-                    total = met.mass + other
-                    met.place = (met.place * met.mass + there * other) / total
-                    met.velocity = (met.velocity * met.mass + swarm.velocities[j] * other) / total
-                    met.mass = total
-                    met.grown = 1
+    me = swarm.particle[base + i]
+    other = listed[MASS * size + j]
+    if other > met.mass or (other == met.mass and swarm.particle[base + j] < me):
+        met.alive = 0
+        swarm.moved[i] = -2 - j
+        swarm.joined[me] = swarm.particle[base + j]
+        swarm.end_step[me] = number
+    else:
+        total = met.mass + other
+        met.place = (met.place * met.mass + place_of(listed, size, j) * other) / total
+        met.velocity = (met.velocity * met.mass + velocity_of(listed, size, j) * other) / total
+        met.mass = total
+        met.grown = 1
     return met
 
 
@@ -120,18 +113,17 @@ def meet_limb(
     swarm: Swarm,
     cells: LivingCells,
     forces: FlowForces,
-    x: wp.array[float],
-    y: wp.array[float],
-    z: wp.array[float],
+    listed: wp.array[float],
+    size: int,
     base: int,
     number: int,
     i: int,
 ):
     """A limb takes in at once all that have it for their host, unless it goes over to another itself."""
     met = Meeting()
-    met.place = wp.vec3(x[i], y[i], z[i])
-    met.velocity = swarm.velocities[i]
-    met.mass = swarm.masses[i]
+    met.place = place_of(listed, size, i)
+    met.velocity = velocity_of(listed, size, i)
+    met.mass = listed[MASS * size + i]
     met.alive = 1
     met.grown = swarm.taken[i]
     host = swarm.host[i]
@@ -148,12 +140,12 @@ def meet_limb(
         total = met.mass
         moment = met.mass * met.place
         momentum = met.mass * met.velocity
-        left = cell_along(cells, 0, cells.nx, x[i] - far)
-        right = cell_along(cells, 0, cells.nx, x[i] + far)
-        row_z = cell_along(cells, 2, cells.nz, z[i] - far)
-        front = cell_along(cells, 2, cells.nz, z[i] + far)
-        low = cell_along(cells, 1, cells.ny, y[i] - far)
-        high = cell_along(cells, 1, cells.ny, y[i] + far)
+        left = cell_along(cells, 0, cells.nx, listed[i] - far)
+        right = cell_along(cells, 0, cells.nx, listed[i] + far)
+        row_z = cell_along(cells, 2, cells.nz, listed[Z * size + i] - far)
+        front = cell_along(cells, 2, cells.nz, listed[Z * size + i] + far)
+        low = cell_along(cells, 1, cells.ny, listed[Y * size + i] - far)
+        high = cell_along(cells, 1, cells.ny, listed[Y * size + i] + far)
         while row_z <= front:
             row_y = int(low)
             while row_y <= high:
@@ -162,10 +154,10 @@ def meet_limb(
                 stop = swarm.first[row + right + 1]
                 while k < stop:
                     if swarm.host[k] == i:
-                        other = swarm.masses[k]
+                        other = listed[MASS * size + k]
                         total += other
-                        moment += other * wp.vec3(x[k], y[k], z[k])
-                        momentum += other * swarm.velocities[k]
+                        moment += other * place_of(listed, size, k)
+                        momentum += other * velocity_of(listed, size, k)
                     k += 1
                 row_y += 1
             row_z += 1

@@ -3,6 +3,7 @@
 import warp as wp
 
 from flowtree.kernels.living_cells import LivingCells, cell_along
+from flowtree.kernels.swarm import Y, Z
 
 # Loops over the lanes of a block must stay loops: the compiler makes vector instructions of sixteen rounds.
 wp.set_module_options({"enable_backward": False, "max_unroll": 8})
@@ -18,19 +19,18 @@ Items = wp.types.vector(length=512, dtype=int)
 
 
 @wp.func
-def square_between(x: wp.array[float], y: wp.array[float], z: wp.array[float], i: int, j: int):
+def square_between(listed: wp.array[float], size: int, i: int, j: int):
     """Squared distance of two particles of the list."""
-    dx = x[j] - x[i]
-    dy = y[j] - y[i]
-    dz = z[j] - z[i]
+    dx = listed[j] - listed[i]
+    dy = listed[Y * size + j] - listed[Y * size + i]
+    dz = listed[Z * size + j] - listed[Z * size + i]
     return dx * dx + dy * dy + dz * dz
 
 
 @wp.func
 def guess_nearest(
-    x: wp.array[float],
-    y: wp.array[float],
-    z: wp.array[float],
+    listed: wp.array[float],
+    size: int,
     count: int,
     before: wp.array[int],
     moved: wp.array[int],
@@ -49,7 +49,7 @@ def guess_nearest(
     if near < 0 or near == i:
         near = wp.where(i > 0, i - 1, i + 1)
         if i > 0 and i + 1 < count:
-            if square_between(x, y, z, i, i + 1) < square_between(x, y, z, i, i - 1):
+            if square_between(listed, size, i, i + 1) < square_between(listed, size, i, i - 1):
                 near = i + 1
         if count < 2:
             near = -1
@@ -60,21 +60,20 @@ def guess_nearest(
 def search_cells(
     grid: LivingCells,
     begin: wp.array[int],
-    x: wp.array[float],
-    y: wp.array[float],
-    z: wp.array[float],
+    listed: wp.array[float],
+    size: int,
     i: int,
     near: int,
     square: float,
 ):
     """Who is nearer to particle i than ``near`` at the squared distance; of equals the first found."""
     reach = wp.sqrt(square) * 1.00001  # a rounding error must not leave out a cell
-    left = cell_along(grid, 0, grid.nx, x[i] - reach)
-    right = cell_along(grid, 0, grid.nx, x[i] + reach)
-    low = cell_along(grid, 1, grid.ny, y[i] - reach)
-    high = cell_along(grid, 1, grid.ny, y[i] + reach)
-    back = cell_along(grid, 2, grid.nz, z[i] - reach)
-    front = cell_along(grid, 2, grid.nz, z[i] + reach)
+    left = cell_along(grid, 0, grid.nx, listed[i] - reach)
+    right = cell_along(grid, 0, grid.nx, listed[i] + reach)
+    low = cell_along(grid, 1, grid.ny, listed[Y * size + i] - reach)
+    high = cell_along(grid, 1, grid.ny, listed[Y * size + i] + reach)
+    back = cell_along(grid, 2, grid.nz, listed[Z * size + i] - reach)
+    front = cell_along(grid, 2, grid.nz, listed[Z * size + i] + reach)
     row_z = back
     while row_z <= front:
         row_y = low
@@ -83,7 +82,7 @@ def search_cells(
             k = begin[row + left]
             stop = begin[row + right + 1]
             while k < stop and square > 0.0:
-                distance = square_between(x, y, z, i, k)
+                distance = square_between(listed, size, i, k)
                 if distance < square and k != i:
                     square = distance
                     near = k
@@ -97,9 +96,8 @@ def search_cells(
 def find_nearest_in_block(
     grid: LivingCells,
     begin: wp.array[int],
-    x: wp.array[float],
-    y: wp.array[float],
-    z: wp.array[float],
+    listed: wp.array[float],
+    size: int,
     count: int,
     before: wp.array[int],
     moved: wp.array[int],
@@ -135,13 +133,13 @@ def find_nearest_in_block(
     lane = int(0)
     while lane < n:
         i = first + lane
-        px[lane] = x[i]
-        py[lane] = y[i]
-        pz[lane] = z[i]
-        guess = guess_nearest(x, y, z, count, before, moved, i)
+        px[lane] = listed[i]
+        py[lane] = listed[Y * size + i]
+        pz[lane] = listed[Z * size + i]
+        guess = guess_nearest(listed, size, count, before, moved, i)
         square = radius * radius
         if guess >= 0:
-            distance = square_between(x, y, z, i, guess)
+            distance = square_between(listed, size, i, guess)
             guess = wp.where(distance < square, guess, -1)
             square = wp.min(distance, square)
         near[lane] = guess
@@ -197,6 +195,8 @@ def find_nearest_in_block(
         slow[slows] = lane
         slows += wp.where(fits, 0, 1)
         lane += 1
+    row_y = (Y * size) & NOT_NEGATIVE
+    row_z = (Z * size) & NOT_NEGATIVE
     hits = int(0)
     w = int(0)
     while w < items:
@@ -208,9 +208,9 @@ def find_nearest_in_block(
         limit = best[q]
         nearer = int(0)
         for s in range(LANES):
-            dx = x[k + s] - ax
-            dy_ = y[k + s] - ay
-            dz_ = z[k + s] - az
+            dx = listed[k + s] - ax
+            dy_ = listed[row_y + k + s] - ay
+            dz_ = listed[row_z + k + s] - az
             nearer += wp.where(dx * dx + dy_ * dy_ + dz_ * dz_ < limit, 1, 0)
         own = first + q - k
         nearer -= wp.where(own >= 0 and own < LANES, 1, 0)
@@ -225,7 +225,7 @@ def find_nearest_in_block(
         stop = wp.min(k + LANES, count)
         i = first + q
         while k < stop:
-            distance = square_between(x, y, z, i, k)
+            distance = square_between(listed, size, i, k)
             if distance < best[q] and k != i:
                 best[q] = distance
                 near[q] = k
@@ -235,7 +235,7 @@ def find_nearest_in_block(
     while w < slows:
         q = slow[w]
         if near[q] >= 0 or best[q] > 0.0:
-            near[q] = search_cells(grid, begin, x, y, z, first + q, near[q], best[q])
+            near[q] = search_cells(grid, begin, listed, size, first + q, near[q], best[q])
         w += 1
     lane = int(0)
     while lane < n:

@@ -9,11 +9,15 @@ from flowtree.kernels.living_cells import fit_cells, share_of
 from flowtree.kernels.meet_others import find_host
 from flowtree.kernels.nearest_in_block import BLOCK, LANES, find_nearest_in_block
 from flowtree.kernels.swarm import (
+    KINDS,
     NOBODY,
     Swarm,
+    Y,
+    Z,
     count_in_cell,
     count_range,
     number_range,
+    place_of,
     set_off,
     sort_range,
 )
@@ -43,9 +47,8 @@ def run_flow(
     step: float,  # of time [m at unit speed]
     arrival: float,  # [m], closer to the foot than this is there
     # out:
-    x_out: wp.array[float],  # sorted, LANES longer than there are particles
-    y_out: wp.array[float],
-    z_out: wp.array[float],
+    left_out: wp.array[float],  # (KINDS, size), the particles as the last step left them
+    listed_out: wp.array[float],  # (KINDS, size), sorted by cell; size is BLOCK more than there are particles
     swarm_out: Swarm,
 ):
     """Steps on from where ``swarm_out`` stands until nobody is under way, and keeps every step.
@@ -57,6 +60,7 @@ def run_flow(
     """
     rank = first + wp.tid()
     threads = int(ranks)
+    size = listed_out.shape[0] // KINDS
     turn = int(0)
     count = swarm_out.progress[0]
     number = swarm_out.progress[1]
@@ -70,15 +74,15 @@ def run_flow(
     i = int(low)
     while i < high:
         if swarm_out.cell[i] >= 0:
-            lowest = wp.min(lowest, swarm_out.place[i])
-            highest = wp.max(highest, swarm_out.place[i])
+            lowest = wp.min(lowest, place_of(left_out, size, i))
+            highest = wp.max(highest, place_of(left_out, size, i))
         i += 1
     if rank == threads - 1:
-        set_off(swarm_out, start, order, gone, off[number], single, count)
+        set_off(swarm_out, left_out, size, start, order, gone, off[number], single, count)
         i = int(count)
         while i < count + off[number] - gone:
-            lowest = wp.min(lowest, swarm_out.place[i])
-            highest = wp.max(highest, swarm_out.place[i])
+            lowest = wp.min(lowest, place_of(left_out, size, i))
+            highest = wp.max(highest, place_of(left_out, size, i))
             i += 1
         high = count + off[number] - gone
     count += off[number] - gone
@@ -94,7 +98,7 @@ def run_flow(
     i = int(low)
     while i < high:
         if swarm_out.cell[i] >= 0:
-            count_in_cell(swarm_out, cells, rank, i)
+            count_in_cell(swarm_out, left_out, size, cells, rank, i)
         i += 1
     turn += threads
     wait_for_all(swarm_out.arrived, turn)
@@ -118,13 +122,13 @@ def run_flow(
             swarm_out.first[total] = living
         turn += threads
         wait_for_all(swarm_out.arrived, turn)
-        sort_range(swarm_out, rank, low, high, base, x_out, y_out, z_out)
+        sort_range(swarm_out, left_out, listed_out, size, rank, low, high, base)
         if rank == 0:
             lane = int(0)
             while lane < LANES:
-                x_out[living + lane] = NOBODY
-                y_out[living + lane] = NOBODY
-                z_out[living + lane] = NOBODY
+                listed_out[living + lane] = NOBODY
+                listed_out[Y * size + living + lane] = NOBODY
+                listed_out[Z * size + living + lane] = NOBODY
                 lane += 1
         turn += threads
         wait_for_all(swarm_out.arrived, turn)
@@ -148,9 +152,8 @@ def run_flow(
             find_nearest_in_block(
                 cells,
                 swarm_out.first,
-                x_out,
-                y_out,
-                z_out,
+                listed_out,
+                size,
                 count,
                 swarm_out.before,
                 swarm_out.moved,
@@ -163,9 +166,7 @@ def run_flow(
         if forces.limbs == 1:
             i = int(low)
             while i < high:
-                swarm_out.host[i] = find_host(
-                    swarm_out, cells, forces, x_out, y_out, z_out, base, heaviest, i
-                )
+                swarm_out.host[i] = find_host(swarm_out, cells, forces, listed_out, size, base, heaviest, i)
                 i += 1
             turn += threads
             wait_for_all(swarm_out.arrived, turn)
@@ -191,9 +192,9 @@ def run_flow(
                 fields,
                 forces,
                 times,
-                x_out,
-                y_out,
-                z_out,
+                left_out,
+                listed_out,
+                size,
                 base,
                 rank,
                 block,
@@ -209,10 +210,10 @@ def run_flow(
         number += 1
         new = off[number] - gone
         if rank == threads - 1:
-            set_off(swarm_out, start, order, gone, gone + new, single, count)
+            set_off(swarm_out, left_out, size, start, order, gone, gone + new, single, count)
             i = int(count)
             while i < count + new:
-                count_in_cell(swarm_out, cells, rank, i)
+                count_in_cell(swarm_out, left_out, size, cells, rank, i)
                 i += 1
             high = count + new
         gone += new
@@ -233,7 +234,7 @@ def run_flow(
             i = int(0)
             while i < high:
                 if swarm_out.cell[i] >= 0:
-                    count_in_cell(swarm_out, cells, 0, i)
+                    count_in_cell(swarm_out, left_out, size, cells, 0, i)
                 i += 1
         done = wp.where(living > 0 or new > 0 or more, 0, 1)
         going = done == 0 and number < steps and base + count <= capacity and rank < threads

@@ -8,22 +8,30 @@ wp.set_module_options({"enable_backward": False})
 
 NOBODY = wp.constant(1.0e30)  # a coordinate that no particle has
 
+# What is kept of each particle in one list of numbers, one after the other: all x, then all y and so on. So
+# they are read and written sixteen at a time.
+X = wp.constant(0)  # place [m]
+Y = wp.constant(1)
+Z = wp.constant(2)
+U = wp.constant(3)  # velocity [m] per unit of time
+V = wp.constant(4)
+W = wp.constant(5)
+MASS = wp.constant(6)  # particles combined
+RATE = wp.constant(7)  # 1 over the time in which it takes a new direction
+KINDS = wp.constant(8)
+
 
 @wp.struct
 class Swarm:
     """The particles under way: as the last step left them, sorted by cell, and what is written down of them.
 
     As the last step left them (n,):
-        place, velocity: [m], [m] per unit of time.
-        mass: particles combined.
-        rate: 1 over the time in which it takes a new direction.
         number: of the particle.
         cell: -1 for who is under way no more.
         nearest: the nearest neighbour, as a place in the sorted list.
         moved: where its place in the sorted list has gone to in the next one; -1 for who has arrived, -2 - p
             for who joined the one at place p.
-    Sorted (n,): velocities, masses, rates, before (the nearest as it was), host (whom it may join), taken (1
-        where somebody joins it). The sorted places are those of the record, and x, y, z.
+    Sorted (n,): before (the nearest as it was), host (whom it may join), taken (1 where somebody joins it).
     Record (capacity,): points [m] and particle, step after step, sorted by cell; begin: where a step begins.
     By number (n,): joined, end_step.
     Cells: first (cells + 1,), where a cell begins in the sorted list; held (ranks, cells), particles counted
@@ -34,17 +42,10 @@ class Swarm:
     arrived: see `wait_for_all`.
     """
 
-    place: wp.array[wp.vec3]
-    velocity: wp.array[wp.vec3]
-    mass: wp.array[float]
-    rate: wp.array[float]
     number: wp.array[int]
     cell: wp.array[int]
     nearest: wp.array[int]
     moved: wp.array[int]
-    velocities: wp.array[wp.vec3]
-    masses: wp.array[float]
-    rates: wp.array[float]
     before: wp.array[int]
     host: wp.array[int]
     taken: wp.array[int]
@@ -64,8 +65,22 @@ class Swarm:
 
 
 @wp.func
+def place_of(left: wp.array[float], size: int, i: int):
+    """Where particle i of the list is [m]."""
+    return wp.vec3(left[i], left[Y * size + i], left[Z * size + i])
+
+
+@wp.func
+def velocity_of(left: wp.array[float], size: int, i: int):
+    """The velocity of particle i of the list [m] per unit of time."""
+    return wp.vec3(left[U * size + i], left[V * size + i], left[W * size + i])
+
+
+@wp.func
 def set_off(
     swarm: Swarm,
+    left: wp.array[float],
+    size: int,
     start: wp.array[wp.vec3],
     order: wp.array[int],
     was: int,
@@ -77,10 +92,15 @@ def set_off(
     k = int(was)
     while k < now:
         i = count + k - was
-        swarm.place[i] = start[order[k]]
-        swarm.velocity[i] = wp.vec3(0.0, 0.0, 0.0)
-        swarm.mass[i] = 1.0
-        swarm.rate[i] = rate
+        at = start[order[k]]
+        left[i] = at[0]
+        left[Y * size + i] = at[1]
+        left[Z * size + i] = at[2]
+        left[U * size + i] = float(0.0)
+        left[V * size + i] = float(0.0)
+        left[W * size + i] = float(0.0)
+        left[MASS * size + i] = float(1.0)
+        left[RATE * size + i] = rate
         swarm.number[i] = order[k]
         swarm.nearest[i] = -1
         swarm.cell[i] = 0
@@ -88,9 +108,9 @@ def set_off(
 
 
 @wp.func
-def count_in_cell(swarm: Swarm, cells: LivingCells, rank: int, i: int):
+def count_in_cell(swarm: Swarm, left: wp.array[float], size: int, cells: LivingCells, rank: int, i: int):
     """Notes the cell of particle i and counts it there."""
-    cell = cell_of(cells, swarm.place[i])
+    cell = cell_of(cells, place_of(left, size, i))
     swarm.cell[i] = cell
     swarm.held[rank, cell] = swarm.held[rank, cell] + 1
 
@@ -124,13 +144,13 @@ def number_range(swarm: Swarm, low: int, high: int, before: int, ranks: int):
 @wp.func
 def sort_range(
     swarm: Swarm,
+    left: wp.array[float],
+    listed: wp.array[float],
+    size: int,
     rank: int,
     low: int,
     high: int,
     base: int,
-    x_out: wp.array[float],
-    y_out: wp.array[float],
-    z_out: wp.array[float],
 ):
     """Puts the particles from ``low`` to before ``high`` where they belong; those of a cell keep their order.
 
@@ -145,19 +165,21 @@ def sort_range(
         if cell >= 0:
             k = swarm.held[rank, cell]
             swarm.held[rank, cell] = k + 1
-            at = swarm.place[i]
+            at = place_of(left, size, i)
             swarm.points[base + k] = at
-            x_out[k] = at[0]
-            y_out[k] = at[1]
-            z_out[k] = at[2]
+            swarm.particle[base + k] = swarm.number[i]
             lowest = wp.min(lowest, at)
             highest = wp.max(highest, at)
-            swarm.particle[base + k] = swarm.number[i]
-            swarm.velocities[k] = swarm.velocity[i]
-            mass = swarm.mass[i]
-            swarm.masses[k] = mass
+            listed[k] = at[0]
+            listed[Y * size + k] = at[1]
+            listed[Z * size + k] = at[2]
+            listed[U * size + k] = left[U * size + i]
+            listed[V * size + k] = left[V * size + i]
+            listed[W * size + k] = left[W * size + i]
+            mass = left[MASS * size + i]
+            listed[MASS * size + k] = mass
             heaviest = wp.max(heaviest, mass)
-            swarm.rates[k] = swarm.rate[i]
+            listed[RATE * size + k] = left[RATE * size + i]
             swarm.before[k] = swarm.nearest[i]
             swarm.taken[k] = 0
             swarm.moved[i] = k

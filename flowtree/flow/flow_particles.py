@@ -13,9 +13,9 @@ from flowtree.flow.flow_in_launches import flow_in_launches
 from flowtree.flow.flow_record import FlowRecord
 from flowtree.kernels.advance_particles import FlowForces, TimeGrid
 from flowtree.kernels.flow_fields import FlowFields
-from flowtree.kernels.nearest_in_block import LANES
+from flowtree.kernels.nearest_in_block import BLOCK
 from flowtree.kernels.run_flow import run_flow
-from flowtree.kernels.swarm import Swarm
+from flowtree.kernels.swarm import KINDS, Swarm
 
 _BLOCK = 4_000_000  # places recorded in one piece of memory
 
@@ -98,7 +98,7 @@ def _run(
     off = np.searchsorted(begin[order], np.arange(steps + 1), side="right").astype(np.int32)
     cells = count + 64
     swarm = _make_swarm(count, cells, ranks)
-    sorted_places = [device.empty(count + LANES, float, "cpu") for _ in range(3)]
+    lists = [device.zeros(KINDS * (count + BLOCK), float, "cpu") for _ in range(2)]
     inputs = [
         steps,
         0,
@@ -120,7 +120,7 @@ def _run(
         swarm.particle = device.empty(capacity, int, "cpu")
         swarm.begin = device.zeros(steps + 1, int, "cpu")
         swarm.arrived = device.zeros(1, int, "cpu")
-        device.launch_together(run_flow, inputs, [*sorted_places, swarm], threads=ranks)
+        device.launch_together(run_flow, inputs, [*lists, swarm], threads=ranks)
         _, now, _, done = swarm.progress.numpy().tolist()
         ends = swarm.begin.numpy()[number + 1 : now + 1].astype(np.int64)
         blocks.append((swarm.points.numpy()[: ends[-1]], swarm.particle.numpy()[: ends[-1]]))
@@ -139,14 +139,8 @@ def _run(
 
 def _make_swarm(count: int, cells: int, ranks: int) -> Swarm:
     swarm: Any = Swarm()
-    kinds: dict[Any, tuple[str, ...]] = {
-        wp.vec3: ("place", "velocity", "velocities"),
-        float: ("mass", "rate", "masses", "rates"),
-        int: ("number", "cell", "nearest", "moved", "before", "host", "taken"),
-    }
-    for kind, names in kinds.items():
-        for name in names:
-            setattr(swarm, name, device.empty(count, kind, "cpu"))
+    for name in ("number", "cell", "nearest", "moved", "before", "host", "taken"):
+        setattr(swarm, name, device.empty(count, int, "cpu"))
     nobody = np.full(count, -1, np.int32)
     swarm.joined, swarm.end_step = (device.upload(nobody.copy(), int, "cpu") for _ in range(2))
     swarm.first = device.empty(cells + 1, int, "cpu")
