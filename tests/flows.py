@@ -5,17 +5,24 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 import warp as wp
 
 from flowtree import device as devices
+from flowtree.flow.flow_particles import _begin_steps, _make_swarm
 from flowtree.geometry.projection import view_axes
 from flowtree.kernels.advance_particles import FlowForces, TimeGrid
 from flowtree.kernels.cell_list import CellGrid
 from flowtree.kernels.flow_fields import FlowFields
+from flowtree.kernels.nearest_in_block import BLOCK
+from flowtree.kernels.reference.run_flow import run_flow as run_flow_twin
+from flowtree.kernels.run_flow import run_flow
+from flowtree.kernels.swarm import KINDS
 from flowtree.model.field import DirectionField
 from flowtree.model.volume import DensityVolume
 
-DEVICES = ["cpu", *(["cuda:0"] if wp.is_cuda_available() else [])]
+_NO_CUDA = pytest.mark.skipif(not wp.is_cuda_available(), reason="no CUDA device: not run")
+DEVICES = [pytest.param("cpu"), pytest.param("cuda:0", marks=_NO_CUDA)]
 
 
 def smooth_noise(rng, shape, waves=3):
@@ -80,6 +87,75 @@ def forces(attraction=0.6, attraction_radius=0.3, response=0.05, inertia=0.15, p
     out = FlowForces()
     out.attraction, out.attraction_radius = attraction, attraction_radius
     out.response, out.inertia, out.pace = response, inertia, pace
+    return out
+
+
+def meeting(limbs, reach=0.1, growth=0.02, **others):
+    """Forces of particles that join: 0, the paper's pairs; 1, limbs that take in and are paced."""
+    out = forces(pace=3.0 * limbs, **others)
+    out.reach, out.growth, out.limbs = reach, growth * limbs, limbs
+    return out
+
+
+def waits(start_time, steps, step, count):
+    """When each particle sets off, their order, how many have by each step, and the latest time."""
+    latest = 0.0 if start_time is None else float(start_time.max())
+    begin = _begin_steps(start_time, latest, step, count)
+    order = np.argsort(begin, kind="stable").astype(np.int32)
+    off = np.searchsorted(begin[order], np.arange(steps + 1), side="right").astype(np.int32)
+    return begin, order, off, latest
+
+
+def flow_swarm(*arguments, **options):
+    """The kernel itself, once: the swarm as it leaves it."""
+    return flow_lists(*arguments, **options)[0]
+
+
+def flow_lists(
+    start, fields, force, *, steps, step, times, arrival=0.1, start_time=None, threads=2, prepare=None
+):
+    """The same, and what it leaves of each particle, (KINDS, size); ``prepare`` may set both beforehand."""
+    count = len(start)
+    _, order, off, latest = waits(start_time, steps, step, count)
+    swarm = _make_swarm(count, count + 64, threads)
+    swarm.points = devices.empty(count * steps, wp.vec3, "cpu")
+    swarm.particle = devices.empty(count * steps, int, "cpu")
+    swarm.begin, swarm.arrived = devices.zeros(steps + 1, int, "cpu"), devices.zeros(1, int, "cpu")
+    lists = [devices.zeros(KINDS * (count + BLOCK), float, "cpu") for _ in range(2)]
+    left = lists[0].numpy().reshape(KINDS, -1)  # the same memory
+    if prepare is not None:
+        prepare(swarm, left)
+    inputs = [steps, count * steps, count + 64, devices.upload(start, wp.vec3, "cpu")]
+    inputs += [devices.upload(order, int, "cpu"), devices.upload(off, int, "cpu")]
+    inputs += [upload_fields(fields, "cpu"), force, upload_times(times, "cpu"), latest, step, arrival]
+    devices.launch_together(run_flow, inputs, [*lists, swarm], threads=threads)
+    return swarm, left
+
+
+def flow_twin(start, fields, force, *, steps, step, times, arrival=0.1, start_time=None):
+    """The twin: its swarm, of NumPy arrays."""
+    count = len(start)
+    _, order, off, latest = waits(start_time, steps, step, count)
+    swarm = SimpleNamespace(
+        points=np.zeros((count * steps, 3)),
+        particle=np.zeros(count * steps, int),
+        begin=np.zeros(steps + 1, int),
+        joined=np.full(count, -1),
+        end_step=np.full(count, -1),
+        progress=np.zeros(4, int),
+    )
+    run_flow_twin(
+        0, 1, steps, count * steps, 0, start, order, off, fields, force, times, latest, step, arrival,
+        None, None, swarm,
+    )  # fmt: skip
+    return swarm
+
+
+def places(points, particle, begin, count):
+    """(steps, n, 3) of a record by number; NaN where a particle is not under way."""
+    out = np.full((len(begin) - 1, count, 3), np.nan)
+    for k in range(len(begin) - 1):
+        out[k, particle[begin[k] : begin[k + 1]]] = points[begin[k] : begin[k + 1]]
     return out
 
 

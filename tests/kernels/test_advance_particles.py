@@ -114,3 +114,19 @@ def test_no_response_is_too_quick_for_the_step(device, response):
     assert np.isfinite(p.position).all()
     # A speed of at most 2 toward a direction of at most 21.
     assert np.abs(p.velocity).max() < 2 * 21
+
+
+@pytest.mark.parametrize("device", DEVICES)
+def test_a_lone_particle_reaches_unit_speed(device):
+    """Nobody holds it back at the place where the step began."""
+    p, fields = particles(0, 1), chance_fields(0)
+    p.position[:], p.velocity[:], p.state[:] = [0.1, 1.7, 0.2], 0.0, 1
+    fields.vectors[:], fields.pull = [0.0, -1.0], 0.0
+    alone, now = np.full(1, -1, np.int32), np.zeros(1, np.float32)
+    for _ in range(30):
+        out = advance(
+            p, alone, now, fields, forces(pace=0.0), chance_times(0), front=1.0, step=0.03, arrival=0.1,
+            device=device,
+        )  # fmt: skip
+        p.position, p.velocity = out[0], out[1]
+    assert np.allclose(p.velocity, [[0.0, -1.0, 0.0]], atol=1e-3)

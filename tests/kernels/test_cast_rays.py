@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from flowtree import device as devices
 from flowtree.kernels.cast_rays import RayGrid, cast_rays
 from flowtree.kernels.reference.cast_rays import cast_rays as cast_rays_twin
-
-DEVICES = ["cpu", *(["cuda:0"] if wp.is_cuda_available() else [])]
+from tests.flows import DEVICES
 
 
 def _scene(seed, triangles=12, size=20.0):
