@@ -39,7 +39,8 @@ def assert_nearest(swarm, radius):
     some = found >= 0
     assert (found < len(place)).all()
     # Distances of float32 places are right to a few roundings, so ties and the radius are too.
-    assert (ours[some] <= best[some] * (1 + 1e-6)).all()
+    # A gap below 1e-19 has the square 0 in float32.
+    assert (ours[some] <= best[some] * (1 + 1e-6) + 1e-18).all()
     assert (ours[some] < radius * (1 + 1e-6)).all()
     assert (best[~some] > radius * (1 - 1e-6)).all()
 
