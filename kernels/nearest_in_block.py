@@ -174,8 +174,8 @@ def find_nearest_in_block(
                 row = grid.nx * (
                     wp.min(low[lane] + dy, high[lane]) + grid.ny * wp.min(back[lane] + dz, front[lane])
                 )
-                k = begin[row + left[lane]]
-                stop = begin[row + right[lane] + 1]
+                k = begin[(row + left[lane]) & NOT_NEGATIVE]
+                stop = begin[(row + right[lane] + 1) & NOT_NEGATIVE]
                 stop = wp.where(dy <= tall and dz <= deep, stop, k)
                 item_k[items] = k
                 item_lane[items] = lane

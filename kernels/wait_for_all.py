@@ -12,7 +12,7 @@ wp.set_module_options({"enable_backward": False})
     __atomic_add_fetch(&arrived.data[0], 1, __ATOMIC_ACQ_REL);
     int spins = 0;
     while (__atomic_load_n(&arrived.data[0], __ATOMIC_ACQUIRE) < wanted)
-        if (++spins % 1024 == 0)
+        if (++spins % 16384 == 0)
             give_way();
 #endif
 """)
