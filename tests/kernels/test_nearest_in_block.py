@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial import cKDTree
 
 from tests.flows import chance_fields, chance_times, flow_swarm, meeting, particles
 
@@ -72,6 +73,18 @@ def test_the_nearest_stays_exact_while_many_join_and_arrive(limbs):
         force = meeting(limbs, attraction_radius=0.3, reach=0.02)
         swarm = flow_swarm(start, chance_fields(5), force, steps=steps, step=0.03, times=chance_times(5))
         assert_nearest(swarm, 0.3)
+
+
+@pytest.mark.parametrize("steps", [1, 3])
+def test_the_nearest_of_very_many_is_exact(steps):
+    """Many, so that some have their nearest at the edge of what the bound lets them search."""
+    force = meeting(0, attraction_radius=2.0, reach=1e-4)
+    start = np.random.default_rng(6).uniform([-0.6, 0.6, -0.6], [0.6, 1.8, 0.6], (8000, 3)).astype("f4")
+    swarm = flow_swarm(start, chance_fields(6), force, steps=steps, step=0.03, times=chance_times(6))
+    begin = swarm.begin.numpy()
+    place = swarm.points.numpy()[begin[steps - 1] : begin[steps]].astype(float)
+    ours = np.linalg.norm(place - place[swarm.nearest.numpy()[: len(place)]], axis=1)
+    assert np.allclose(ours, cKDTree(place).query(place, k=2)[0][:, 1], rtol=1e-5, atol=1e-7)
 
 
 @settings(max_examples=20, deadline=None)
