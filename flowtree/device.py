@@ -77,7 +77,7 @@ def thread_count(threads: int | None = None) -> int:
     text = os.environ.get("FLOWTREE_THREADS", "")
     if not text:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    valid = text.isdigit() and int(text) > 0
+    valid = text.isdecimal() and int(text) > 0
     check.require(valid, "FLOWTREE_THREADS", "must be a positive whole number", repr(text), "set or unset it")
     return int(text)
 

@@ -75,12 +75,13 @@ def acceleration(
 def advance_particles(
     # in:
     first: int,
-    position: wp.array[wp.vec3],  # [m]
+    position: wp.array[wp.vec3],  # [m], after joining
+    place: wp.array[wp.vec3],  # [m], as it was before, where neighbours draw to
     velocity: wp.array[wp.vec3],  # [m] per unit of time
     mass: wp.array[float],
     state: wp.array[int],  # 0 waits, 1 moves, 2 has joined another, 3 has arrived
     nearest: wp.array[int],
-    start_time: wp.array[float],  # [m], free-flow time of the start
+    begin: wp.array[int],  # the step in which it sets off
     fields: FlowFields,
     forces: FlowForces,
     times: TimeGrid,
@@ -92,10 +93,9 @@ def advance_particles(
     position_out: wp.array[wp.vec3],
     velocity_out: wp.array[wp.vec3],
     state_out: wp.array[int],
-    begin_step_out: wp.array[int],  # the step in which it set off; written where that happens
     end_step_out: wp.array[int],  # the step that saw it arrive; written where that happens
 ):
-    """Moves every particle by one step of the classical fourth-order Runge-Kutta method.
+    """Moves every particle by one step of the classical fourth-order Runge-Kutta method; then some set off.
 
     The nearest neighbour's place is taken as it was at the beginning of the step.
     """
@@ -103,14 +103,11 @@ def advance_particles(
     x = position[i]
     v = velocity[i]
     now = state[i]
-    if now == 0 and start_time[i] >= front:
-        now = 1
-        begin_step_out[i] = number
     if now == 1:
         neighbour = x
         attraction = float(0.0)
         if nearest[i] >= 0:
-            neighbour = position[nearest[i]]
+            neighbour = place[nearest[i]]
             attraction = forces.attraction
         speed = wp.clamp(1.0 + forces.pace * (free_flow_time(times, x) - front), 0.4, 2.0)
         # Nobody answers faster than a step can follow: the method is stable up to a rate of 2.78 a step.
@@ -128,6 +125,8 @@ def advance_particles(
         if wp.length(x) < arrival:
             now = 3
             end_step_out[i] = number
+    elif now == 0 and begin[i] == number + 1:
+        now = 1
     position_out[i] = x
     velocity_out[i] = v
     state_out[i] = now

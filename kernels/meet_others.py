@@ -34,7 +34,7 @@ def find_host(
     """The heavier particle (of equals the one of lower number) whose threshold i has gone past farthest."""
     mass = listed[MASS * size + i]
     number = swarm.particle[base + i]
-    far = wp.min(
+    far = 1.00001 * wp.min(
         forces.reach + forces.growth * (wp.sqrt(mass + heaviest) - 1.0),
         wp.max(forces.attraction_radius, forces.reach),
     )
@@ -136,7 +136,7 @@ def meet_limb(
             swarm.end_step[me] = number
     if met.grown == 1:
         # No guest is heavier than its host, so none is farther away than this.
-        far = forces.reach + forces.growth * (wp.sqrt(2.0 * met.mass) - 1.0)
+        far = 1.00001 * (forces.reach + forces.growth * (wp.sqrt(2.0 * met.mass) - 1.0))
         total = met.mass
         moment = met.mass * met.place
         momentum = met.mass * met.velocity

@@ -15,13 +15,18 @@ def pair_nearest(
     reach: float,  # [m], nearer than this two become one
     # out:
     host_out: wp.array[int],  # whom it goes over to, -1 for nobody
+    nearest_out: wp.array[int],  # the nearest, but -1 for who takes that one in: nobody draws it then
 ):
     """Of two that are each other's nearest, the lighter (of equal mass: the later) goes to the other."""
     i = first + wp.tid()
     host = int(-1)
     j = nearest[i]
+    nearest_out[i] = j
     if j >= 0:
         heavier = mass[j] > mass[i] or (mass[j] == mass[i] and j < i)
-        if nearest[j] == i and heavier and wp.length_sq(position[j] - position[i]) < reach * reach:
-            host = j
+        if nearest[j] == i and wp.length_sq(position[j] - position[i]) < reach * reach:
+            if heavier:
+                host = j
+            else:
+                nearest_out[i] = -1
     host_out[i] = host

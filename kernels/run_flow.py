@@ -95,6 +95,8 @@ def run_flow(
         lowest = wp.min(lowest, swarm_out.lowest[r])
         highest = wp.max(highest, swarm_out.highest[r])
     cells = fit_cells(lowest, highest, count, most_cells)
+    if number > 0:
+        cells = fit_cells(swarm_out.box[0], swarm_out.box[1], swarm_out.progress[4], most_cells)
     i = int(low)
     while i < high:
         if swarm_out.cell[i] >= 0:
@@ -104,6 +106,8 @@ def run_flow(
     wait_for_all(swarm_out.arrived, turn)
     going = bool(True)
     done = int(0)
+    fitted = int(0)
+    room = wp.vec3(2.0 * step, 2.0 * step, 2.0 * step)
     while going:
         # Sort: how many before each cell, then every particle to its place.
         total = cells.nx * cells.ny * cells.nz
@@ -157,7 +161,7 @@ def run_flow(
                 count,
                 swarm_out.before,
                 swarm_out.moved,
-                forces.attraction_radius,
+                wp.max(forces.attraction_radius, forces.reach),
                 block,
                 wp.min(block + BLOCK, high),
                 swarm_out.nearest,
@@ -180,7 +184,7 @@ def run_flow(
         turn += threads
         wait_for_all(swarm_out.arrived, turn)
         # Join and advance, and count in the cells of the next step: a little wider, since all have moved.
-        room = wp.vec3(2.0 * step, 2.0 * step, 2.0 * step)
+        fitted = count
         next_cells = fit_cells(lowest - room, highest + room, count, most_cells)
         front = latest - float(number) * step
         block = int(low)
@@ -248,3 +252,6 @@ def run_flow(
         swarm_out.progress[1] = number
         swarm_out.progress[2] = gone
         swarm_out.progress[3] = done
+        swarm_out.progress[4] = fitted
+        swarm_out.box[0] = lowest - room
+        swarm_out.box[1] = highest + room

@@ -37,8 +37,8 @@ class Swarm:
     Cells: first (cells + 1,), where a cell begins in the sorted list; held (ranks, cells), particles counted
         by each thread.
     By thread (ranks,): counted; lowest and highest, corners of a box; heaviest, a mass.
-    progress (4,): particles in the arrays above, steps taken, particles that have set off, 1 when all is
-        done.
+    progress (5,): particles in the arrays above, steps taken, particles that have set off, 1 when all is
+        done, particles that the cells were last fitted to; box (2,): corners of what they were fitted to.
     arrived: see `wait_for_all`.
     """
 
@@ -61,6 +61,7 @@ class Swarm:
     highest: wp.array[wp.vec3]
     heaviest: wp.array[float]
     progress: wp.array[int]
+    box: wp.array[wp.vec3]
     arrived: wp.array[int]
 
 

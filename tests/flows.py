@@ -142,7 +142,7 @@ def flow_twin(start, fields, force, *, steps, step, times, arrival=0.1, start_ti
         begin=np.zeros(steps + 1, int),
         joined=np.full(count, -1),
         end_step=np.full(count, -1),
-        progress=np.zeros(4, int),
+        progress=np.zeros(5, int),
     )
     run_flow_twin(
         0, 1, steps, count * steps, 0, start, order, off, fields, force, times, latest, step, arrival,

@@ -62,6 +62,7 @@ class _Buffers:
     state: tuple[Any, Any]
     position: Any
     nearest: Any
+    draws: Any
     host: Any
     key: Any
     index: Any
@@ -88,16 +89,15 @@ class _Flow:
         self.count = len(start)
         self.radius = max(forces.attraction_radius, forces.reach)
         self.grid = _cell_grid(start, self.radius)
-        # Later than any front by then: the kernel compares the same two roundings.
-        start_time = (latest - begin.astype(np.float64) * step).astype(np.float32)
-        self.start_time = device.upload(start_time, float, where)
+        self.begin = begin
+        self.begin_step = device.upload(begin, int, where)
         # The places at the beginning of a block of steps and after each of them.
         self.block = device.zeros((_BLOCK + 1, self.count), wp.vec3, where)
         self.block[0].assign(start)
         self.blocks: list[tuple[NDArray[np.float32], NDArray[np.int32]]] = []
         self.lengths: list[NDArray[np.int64]] = [np.zeros(1, np.int64)]
         nobody = np.full(self.count, -1, np.int32)
-        self.joined, self.begin_step, self.end_step = (device.upload(nobody, int, where) for _ in range(3))
+        self.joined, self.end_step = (device.upload(nobody, int, where) for _ in range(2))
 
     def run(self, steps: int) -> FlowRecord:
         """Steps until nobody moves or waits."""
@@ -117,16 +117,16 @@ class _Flow:
         return FlowRecord(
             blocks=tuple(self.blocks),
             begin=np.cumsum(np.concatenate(self.lengths)),
-            begin_step=self.begin_step.numpy(),
+            begin_step=np.where(self.begin < number, self.begin, -1).astype(np.int32),
             end_step=self.end_step.numpy(),
             joined=self.joined.numpy(),
         )
 
     def _record(self, number: int, rows: int) -> None:
         """Keeps, of the block's first rows, the places of those on the way: a thirtieth of all."""
-        begin, end = self.begin_step.numpy(), self.end_step.numpy()
+        begin, end = self.begin, self.end_step.numpy()
         steps = number + np.arange(rows)[:, None]
-        there = (begin >= 0) & (steps >= begin) & ((end < 0) | (steps <= end))
+        there = (steps >= begin) & ((end < 0) | (steps <= end))
         row, particle = np.nonzero(there)
         self.blocks.append((self.block.numpy()[row, particle], particle.astype(np.int32)))
         self.lengths.append(np.bincount(row, minlength=rows))
@@ -136,9 +136,13 @@ class _Flow:
         return _Buffers(
             velocity=(device.zeros(n, wp.vec3, where), device.zeros(n, wp.vec3, where)),
             mass=(device.upload(np.ones(n, np.float32), float, where), device.zeros(n, float, where)),
-            state=(device.zeros(n, int, where), device.zeros(n, int, where)),
+            state=(
+                device.upload((self.begin == 0).astype(np.int32), int, where),
+                device.zeros(n, int, where),
+            ),
             position=device.zeros(n, wp.vec3, where),
             nearest=device.zeros(n, int, where),
+            draws=device.zeros(n, int, where),
             host=device.zeros(n, int, where),
             key=device.zeros(2 * n, int, where),
             index=device.zeros(2 * n, int, where),
@@ -156,7 +160,7 @@ class _Flow:
         device.launch(find_nearest, n, inputs, [b.nearest, b.host], device=where)
         if self.forces.limbs == 0:
             inputs = [position, b.mass[0], b.nearest, self.forces.reach]
-            device.launch(pair_nearest, n, inputs, [b.host], device=where)
+            device.launch(pair_nearest, n, inputs, [b.host, b.draws], device=where)
 
     def _join(self, b: _Buffers, row: int, number: int) -> None:
         inputs = [self.block[row], b.velocity[0], b.mass[0], b.state[0], b.host, b.index, b.begin]
@@ -166,9 +170,18 @@ class _Flow:
         b.mass = (b.mass[1], b.mass[0])
 
     def _advance(self, b: _Buffers, row: int, number: int) -> None:
-        inputs = [b.position, b.velocity[1], b.mass[0], b.state[1], b.nearest, self.start_time, self.fields]
-        inputs += [self.forces, self.times, self.latest - number * self.step, self.step, self.arrival, number]
-        outputs = [self.block[row + 1], b.velocity[0], b.state[0], self.begin_step, self.end_step]
+        nearest = b.draws if self.forces.limbs == 0 else b.nearest
+        inputs = [b.position, self.block[row], b.velocity[1], b.mass[0], b.state[1], nearest, self.begin_step]
+        inputs += [
+            self.fields,
+            self.forces,
+            self.times,
+            self.latest - number * self.step,
+            self.step,
+            self.arrival,
+            number,
+        ]
+        outputs = [self.block[row + 1], b.velocity[0], b.state[0], self.end_step]
         device.launch(advance_particles, self.count, inputs, outputs, device=self.where)
 
 

@@ -121,7 +121,7 @@ def _run(
         swarm.begin = device.zeros(steps + 1, int, "cpu")
         swarm.arrived = device.zeros(1, int, "cpu")
         device.launch_together(run_flow, inputs, [*lists, swarm], threads=ranks)
-        _, now, _, done = swarm.progress.numpy().tolist()
+        _, now, _, done, _ = swarm.progress.numpy().tolist()
         ends = swarm.begin.numpy()[number + 1 : now + 1].astype(np.int64)
         blocks.append((swarm.points.numpy()[: ends[-1]], swarm.particle.numpy()[: ends[-1]]))
         bounds.append(bounds[-1][-1] + ends)
@@ -148,5 +148,6 @@ def _make_swarm(count: int, cells: int, ranks: int) -> Swarm:
     swarm.counted = device.empty(ranks, int, "cpu")
     swarm.lowest, swarm.highest = (device.empty(ranks, wp.vec3, "cpu") for _ in range(2))
     swarm.heaviest = device.empty(ranks, float, "cpu")
-    swarm.progress = device.zeros(4, int, "cpu")
+    swarm.progress = device.zeros(5, int, "cpu")
+    swarm.box = device.zeros(2, wp.vec3, "cpu")
     return swarm

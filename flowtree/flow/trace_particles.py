@@ -111,14 +111,15 @@ def trace_particles(
 
 
 def _forces(params: FlowParams, height: float, count: int) -> FlowForces:
-    """In metres. Of more particles than usual each is a smaller share of the tree, so limbs grow by less."""
+    """In metres. More particles than usual stand closer and are each less of the tree: both reaches shrink."""
     forces = FlowForces()
     forces.attraction = params.attraction
     forces.attraction_radius = params.attraction_radius * height
     forces.response = params.response * height
     forces.inertia = params.inertia
-    forces.reach = params.join_distance * height
-    forces.growth = params.join_growth * height * min(1.0, (USUAL / count) ** 0.5)
+    share = min(1.0, USUAL / count)
+    forces.reach = params.join_distance * height * share ** (1 / 3)
+    forces.growth = params.join_growth * height * share**0.5
     forces.limbs = 1
     forces.pace = params.pace / height
     return forces

@@ -38,11 +38,12 @@ def acceleration(
 def advance_particles(
     first: int,
     position: NDArray[Any],
+    place: NDArray[Any],
     velocity: NDArray[Any],
     mass: NDArray[Any],
     state: NDArray[Any],
     nearest: NDArray[Any],
-    start_time: NDArray[Any],
+    begin: NDArray[Any],
     fields: Any,
     forces: Any,
     times: Any,
@@ -53,17 +54,14 @@ def advance_particles(
     position_out: NDArray[Any],
     velocity_out: NDArray[Any],
     state_out: NDArray[Any],
-    begin_step_out: NDArray[Any],
     end_step_out: NDArray[Any],
 ) -> None:
-    """Moves every particle by one step of the classical fourth-order Runge-Kutta method."""
+    """Moves every particle by one step of the classical Runge-Kutta method; then some set off."""
     for i in range(first, len(mass)):
         x, v = np.asarray(position[i], np.float64), np.asarray(velocity[i], np.float64)
         now = state[i]
-        if now == 0 and start_time[i] >= front:
-            now, begin_step_out[i] = 1, number
         if now == 1:
-            neighbour = np.asarray(position[nearest[i]] if nearest[i] >= 0 else x, np.float64)
+            neighbour = np.asarray(place[nearest[i]] if nearest[i] >= 0 else x, np.float64)
             attraction = float(forces.attraction) if nearest[i] >= 0 else 0.0
             speed = float(np.clip(1.0 + forces.pace * (free_flow_time(times, x) - front), 0.4, 2.0))
             rate = min(1.0 / (forces.response * float(mass[i]) ** forces.inertia), 1.0 / step)
@@ -87,4 +85,6 @@ def advance_particles(
             x, v = y[:3], y[3:]
             if np.linalg.norm(x) < arrival:
                 now, end_step_out[i] = 3, number
+        elif now == 0 and begin[i] == number + 1:
+            now = 1
         position_out[i], velocity_out[i], state_out[i] = x, v, now

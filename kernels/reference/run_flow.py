@@ -148,4 +148,4 @@ def run_flow(
         new, waiting = int(off[number]) - gone, int(off[steps]) > int(off[number])
         done = int(count == 0 and new == 0 and not waiting)
         count += new
-    swarm_out.progress[:] = [count, number, int(off[number]), done]
+    swarm_out.progress[:4] = [count, number, int(off[number]), done]

@@ -102,7 +102,6 @@ def test_any_number_of_threads_gives_the_same_bytes(limbs, count):
 
 @LIMBS
 def test_a_record_in_pieces_is_the_same_flow(monkeypatch, limbs):
-    """Cells are laid anew after a pause, so the order within a step may differ, and nothing else."""
     start_time = np.linspace(0, 0.5, 200).astype("f4")
     force = meeting(limbs, reach=0.03)
     whole = flow(3, 200, force, start_time=start_time)
@@ -111,17 +110,7 @@ def test_a_record_in_pieces_is_the_same_flow(monkeypatch, limbs):
     assert len(whole.blocks) == 1
     assert len(pieces[0].blocks) > 5
     assert same_bytes(*pieces)
-    for ours, theirs in zip(in_order(whole), in_order(pieces[0]), strict=True):
-        assert ours.tobytes() == theirs.tobytes()
-
-
-def in_order(record):
-    """A record's arrays, by number within each step."""
-    order = np.lexsort((record.particle, record.step))
-    return [
-        record.points[order], record.particle[order], record.begin, record.begin_step, record.end_step,
-        record.joined,
-    ]  # fmt: skip
+    assert same_bytes(whole, pieces[0])
 
 
 @LIMBS
@@ -145,12 +134,14 @@ def test_equals_a_launch_a_phase(limbs, waiting):
 
 @LIMBS
 def test_a_launch_a_phase_gives_the_same_kind_of_flow(limbs):
-    """With attraction: who meets whom becomes chance, so only sums can be compared, to a quarter."""
+    """With attraction: rounding grows into other late meetings."""
     force = meeting(limbs, reach=0.02)
     one, other = flow(1, 400, force), flow_by_launches(1, 400, force)
-    assert abs((one.joined >= 0).mean() - (other.joined >= 0).mean()) < 0.05
-    assert abs(one.particle_steps / other.particle_steps - 1) < 0.25
-    assert np.allclose(one.points.mean(axis=0), other.points.mean(axis=0), atol=0.1)
+    early = (one.end_step >= 0) & (one.end_step < 6)
+    assert (one.joined == other.joined)[early].mean() > 0.99
+    assert abs((one.joined >= 0).mean() - (other.joined >= 0).mean()) < 0.02
+    assert abs(one.particle_steps / other.particle_steps - 1) < 0.02
+    assert np.allclose(one.points.mean(axis=0), other.points.mean(axis=0), atol=0.02)
 
 
 def test_nobody_leaves_an_empty_record():

@@ -18,15 +18,15 @@ from tests.flows import (
 )
 
 
-def advance(p, nearest, start_time, fields, force, times, *, front, step, arrival, device):
-    """One step on the device: positions, velocities, states, first and last steps."""
+def advance(p, nearest, begin, fields, force, times, *, front, step, arrival, device):
+    """Step 3 on the device: positions, velocities, states and last steps."""
     n = len(p.state)
-    inputs = [devices.upload(a, wp.vec3, device) for a in (p.position, p.velocity)]
+    inputs = [devices.upload(a, wp.vec3, device) for a in (p.position, p.position, p.velocity)]
     inputs += [devices.upload(p.mass, float, device), devices.upload(p.state, int, device)]
-    inputs += [devices.upload(nearest, int, device), devices.upload(start_time, float, device)]
+    inputs += [devices.upload(nearest, int, device), devices.upload(begin, int, device)]
     inputs += [upload_fields(fields, device), force, upload_times(times, device), front, step, arrival, 3]
     out = [devices.zeros(n, kind, device) for kind in (wp.vec3, wp.vec3, int)]
-    out += [devices.upload(np.full(n, -1, np.int32), int, device) for _ in range(2)]
+    out.append(devices.upload(np.full(n, -1, np.int32), int, device))
     devices.launch(advance_particles, n, inputs, out, device=device, split_from=2)
     return [a.numpy() for a in out]
 
@@ -37,15 +37,15 @@ def advance(p, nearest, start_time, fields, force, times, *, front, step, arriva
 def test_equals_its_twin(device, seed, step, front):
     p, rng = particles(seed, 20), np.random.default_rng(seed)
     nearest = rng.integers(-1, 20, 20).astype(np.int32)
-    start_time = rng.uniform(0, 2.5, 20).astype(np.float32)
+    begin = rng.integers(2, 7, 20).astype(np.int32)
     fields, times = chance_fields(seed), chance_times(seed)
     fast = advance(
-        p, nearest, start_time, fields, forces(), times, front=front, step=step, arrival=0.4, device=device
+        p, nearest, begin, fields, forces(), times, front=front, step=step, arrival=0.4, device=device
     )
-    slow = [np.zeros((20, 3)), np.zeros((20, 3)), np.zeros(20, int), np.full(20, -1), np.full(20, -1)]
+    slow = [np.zeros((20, 3)), np.zeros((20, 3)), np.zeros(20, int), np.full(20, -1)]
     advance_twin(
-        0, p.position, p.velocity, p.mass, p.state, nearest, start_time, fields, forces(), times, front, step,
-        0.4, 3, *slow,
+        0, p.position, p.position, p.velocity, p.mass, p.state, nearest, begin, fields, forces(), times,
+        front, step, 0.4, 3, *slow,
     )  # fmt: skip
     # The field's direction is a normalised sum: where it almost vanishes, float32's error is magnified.
     for ours, exact in zip(fast[:2], slow[:2], strict=True):
@@ -67,11 +67,11 @@ def _follow(steps, way=0.4):
     state = np.array([1])
     x, v = np.array([[0.3, 1.0, -0.2]]), np.zeros((1, 3))
     for _ in range(steps):
-        out = [np.zeros((1, 3)), np.zeros((1, 3)), np.zeros(1, int), np.zeros(1), np.zeros(1)]
+        out = [np.zeros((1, 3)), np.zeros((1, 3)), np.zeros(1, int), np.zeros(1)]
         force = forces(response=0.3, attraction=0.0)
         advance_twin(
-            0, x, v, np.ones(1), state, np.array([-1]), np.zeros(1), fields, force, times, 1.0, way / steps,
-            0.01, 0, *out,
+            0, x, x, v, np.ones(1), state, np.array([-1]), np.zeros(1), fields, force, times, 1.0,
+            way / steps, 0.01, 0, *out,
         )  # fmt: skip
         x, v = out[0], out[1]
     return np.concatenate([x[0], v[0]])
@@ -91,7 +91,7 @@ def test_a_heavy_particle_turns_later(device):
     p.velocity[:], p.state[:] = 0.0, 1
     p.mass[:] = [1.0, 1000.0]
     out = advance(
-        p, np.full(2, -1, np.int32), np.zeros(2, np.float32), chance_fields(2), forces(inertia=0.5),
+        p, np.full(2, -1, np.int32), np.zeros(2, np.int32), chance_fields(2), forces(inertia=0.5),
         chance_times(2), front=1.0, step=0.01, arrival=0.01, device=device,
     )  # fmt: skip
     light, heavy = np.linalg.norm(out[1], axis=1)
@@ -106,7 +106,7 @@ def test_no_response_is_too_quick_for_the_step(device, response):
     p.state[:] = 1
     for _ in range(30):
         out = advance(
-            p, np.roll(np.arange(30), 1).astype(np.int32), np.zeros(30, np.float32), fields,
+            p, np.roll(np.arange(30), 1).astype(np.int32), np.zeros(30, np.int32), fields,
             forces(response=response, attraction=20.0), times, front=1.0, step=0.1, arrival=0.0,
             device=device,
         )  # fmt: skip
@@ -122,7 +122,7 @@ def test_a_lone_particle_reaches_unit_speed(device):
     p, fields = particles(0, 1), chance_fields(0)
     p.position[:], p.velocity[:], p.state[:] = [0.1, 1.7, 0.2], 0.0, 1
     fields.vectors[:], fields.pull = [0.0, -1.0], 0.0
-    alone, now = np.full(1, -1, np.int32), np.zeros(1, np.float32)
+    alone, now = np.full(1, -1, np.int32), np.zeros(1, np.int32)
     for _ in range(30):
         out = advance(
             p, alone, now, fields, forces(pace=0.0), chance_times(0), front=1.0, step=0.03, arrival=0.1,
