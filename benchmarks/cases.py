@@ -22,6 +22,8 @@ from flowtree.files import write_whole
 
 T = TypeVar("T")
 
+_REST = 0.05  # [s] before each run, so that none runs into what the one before has left behind
+
 
 @dataclass(frozen=True)
 class Case:
@@ -94,6 +96,8 @@ def time_programs(
 def _time(program: Callable[[], Any]) -> float:
     gc.collect()
     gc.disable()
+    # OpenMP's threads, which Numba uses, keep their cores busy for a while after they are done.
+    time.sleep(_REST)
     try:
         start = time.perf_counter()
         result = program()

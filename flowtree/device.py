@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+import signal
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
-from threading import Lock
-from types import ModuleType
+from threading import Lock, current_thread, main_thread
+from types import FrameType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -156,19 +158,32 @@ def launch_together(
     if count == 1:
         wp.launch(kernel, dim=1, inputs=[0, *arguments], device="cpu")
         return
-    with _TOGETHER:
-        team = _team(count)
-        jobs: list[Future[Any]] = []
-        try:
-            for rank in range(count):
-                job = team.submit(wp.launch, kernel, dim=1, inputs=[rank, *arguments], device="cpu")
-                jobs.append(job)
-        finally:
-            # An interrupt must not leave those that have begun waiting for those that have not.
-            for rank in range(len(jobs), count):
-                team.submit(wp.launch, kernel, dim=1, inputs=[rank, *arguments], device="cpu")
+    # This thread is one of them: of two that are woken, both might begin on one core.
+    with _TOGETHER, _uninterrupted():
+        team = _team(count - 1)
+        jobs = [
+            team.submit(wp.launch, kernel, dim=1, inputs=[rank, *arguments], device="cpu")
+            for rank in range(1, count)
+        ]
+        wp.launch(kernel, dim=1, inputs=[0, *arguments], device="cpu")
         for job in jobs:
             job.result()
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Puts Ctrl-C off: those that have begun would wait for ever for one that never does."""
+    if current_thread() is not main_thread():  # only that one is ever interrupted
+        yield
+        return
+    came: list[tuple[int, FrameType | None]] = []
+    usual = signal.signal(signal.SIGINT, lambda number, frame: came.append((number, frame)))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, usual)
+        if came and callable(usual):
+            usual(*came[0])
 
 
 @lru_cache(maxsize=4)

@@ -111,7 +111,7 @@ def trace_particles(
 
 
 def _forces(params: FlowParams, height: float, count: int) -> FlowForces:
-    """In metres. More particles than usual stand closer and are each less of the tree: both reaches shrink."""
+    """In metres. More particles than usual stand closer, and each is less of the tree: reaches shrink."""
     forces = FlowForces()
     forces.attraction = params.attraction
     forces.attraction_radius = params.attraction_radius * height
