@@ -2,7 +2,7 @@
 
 import warp as wp
 
-from flowtree.kernels.advance_particles import FlowForces, TimeGrid, free_flow_time
+from flowtree.kernels.advance_particles import FlowForces, TimeGrid, free_flow_time, response_rate
 from flowtree.kernels.flow_fields import FlowFields, follow_route, turn_to_foot
 from flowtree.kernels.living_cells import LivingCells
 from flowtree.kernels.meet_others import Meeting, meet_limb, meet_pair
@@ -11,12 +11,6 @@ from flowtree.kernels.swarm import MASS, RATE, Swarm, U, V, W, Y, Z, count_in_ce
 
 # Loops over the lanes of a block must stay loops: the compiler makes vector instructions of sixteen rounds.
 wp.set_module_options({"enable_backward": False, "max_unroll": 8})
-
-
-@wp.func
-def response_rate(forces: FlowForces, mass: float, step: float):
-    """Nobody answers faster than a step can follow: the method is stable up to a rate of 2.78 a step."""
-    return wp.min(1.0 / (forces.response * wp.pow(mass, forces.inertia)), 1.0 / step)
 
 
 @wp.func

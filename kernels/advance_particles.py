@@ -52,6 +52,12 @@ def free_flow_time(times: TimeGrid, at: wp.vec3):
 
 
 @wp.func
+def response_rate(forces: FlowForces, mass: float, step: float):
+    """Nobody answers faster than a step can follow: the method is stable up to a rate of 2.78 a step."""
+    return wp.min(1.0 / (forces.response * wp.pow(mass, forces.inertia)), 1.0 / step)
+
+
+@wp.func
 def acceleration(
     fields: FlowFields,
     forces: FlowForces,
@@ -110,8 +116,7 @@ def advance_particles(
             neighbour = place[nearest[i]]
             attraction = forces.attraction
         speed = wp.clamp(1.0 + forces.pace * (free_flow_time(times, x) - front), 0.4, 2.0)
-        # Nobody answers faster than a step can follow: the method is stable up to a rate of 2.78 a step.
-        rate = wp.min(1.0 / (forces.response * wp.pow(mass[i], forces.inertia)), 1.0 / step)
+        rate = response_rate(forces, mass[i], step)
         v1 = v
         a1 = acceleration(fields, forces, x, v1, neighbour, attraction, speed, rate)
         v2 = v + 0.5 * step * a1

@@ -65,6 +65,31 @@ def cell_of(grid: LivingCells, at: wp.vec3):
     return x + grid.nx * (y + grid.ny * z)
 
 
+@wp.struct
+class CellBox:
+    """The cells from left to right, from low to high and from back to front, all of them inside."""
+
+    left: int
+    right: int
+    low: int
+    high: int
+    back: int
+    front: int
+
+
+@wp.func
+def cells_around(grid: LivingCells, at: wp.vec3, reach: float):
+    """The cells that a cube of twice the reach touches."""
+    box = CellBox()
+    box.left = cell_along(grid, 0, grid.nx, at[0] - reach)
+    box.right = cell_along(grid, 0, grid.nx, at[0] + reach)
+    box.low = cell_along(grid, 1, grid.ny, at[1] - reach)
+    box.high = cell_along(grid, 1, grid.ny, at[1] + reach)
+    box.back = cell_along(grid, 2, grid.nz, at[2] - reach)
+    box.front = cell_along(grid, 2, grid.nz, at[2] + reach)
+    return box
+
+
 @wp.func
 def share_of(count: int, rank: int, ranks: int):
     """Where a thread's share of ``count`` begins; the next one's beginning is its end."""

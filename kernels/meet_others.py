@@ -3,7 +3,7 @@
 import warp as wp
 
 from flowtree.kernels.advance_particles import FlowForces
-from flowtree.kernels.living_cells import LivingCells, cell_along
+from flowtree.kernels.living_cells import LivingCells, cells_around
 from flowtree.kernels.swarm import MASS, Swarm, Y, Z, place_of, velocity_of
 
 wp.set_module_options({"enable_backward": False})
@@ -38,20 +38,16 @@ def find_host(
         forces.reach + forces.growth * (wp.sqrt(mass + heaviest) - 1.0),
         wp.max(forces.attraction_radius, forces.reach),
     )
-    left = cell_along(cells, 0, cells.nx, listed[i] - far)
-    right = cell_along(cells, 0, cells.nx, listed[i] + far)
-    row_z = cell_along(cells, 2, cells.nz, listed[Z * size + i] - far)
-    front = cell_along(cells, 2, cells.nz, listed[Z * size + i] + far)
-    low = cell_along(cells, 1, cells.ny, listed[Y * size + i] - far)
-    high = cell_along(cells, 1, cells.ny, listed[Y * size + i] + far)
+    around = cells_around(cells, place_of(listed, size, i), far)
+    row_z = int(around.back)
     host = int(-1)
     deepest = float(1.0)
-    while row_z <= front:
-        row_y = int(low)
-        while row_y <= high:
+    while row_z <= around.front:
+        row_y = int(around.low)
+        while row_y <= around.high:
             row = cells.nx * (row_y + cells.ny * row_z)
-            k = swarm.first[row + left]
-            stop = swarm.first[row + right + 1]
+            k = swarm.first[row + around.left]
+            stop = swarm.first[row + around.right + 1]
             while k < stop:
                 dx = listed[k] - listed[i]
                 dy = listed[Y * size + k] - listed[Y * size + i]
@@ -76,6 +72,18 @@ def find_host(
 
 
 @wp.func
+def unmet(listed: wp.array[float], size: int, i: int):
+    """Particle i as it is before it meets anybody."""
+    met = Meeting()
+    met.place = place_of(listed, size, i)
+    met.velocity = velocity_of(listed, size, i)
+    met.mass = listed[MASS * size + i]
+    met.alive = 1
+    met.grown = 0
+    return met
+
+
+@wp.func
 def meet_pair(
     swarm: Swarm,
     listed: wp.array[float],
@@ -85,12 +93,7 @@ def meet_pair(
     i: int,
 ):
     """The paper's rule: two that are each other's nearest, and nearer than the threshold, become one."""
-    met = Meeting()
-    met.place = place_of(listed, size, i)
-    met.velocity = velocity_of(listed, size, i)
-    met.mass = listed[MASS * size + i]
-    met.alive = 1
-    met.grown = 0
+    met = unmet(listed, size, i)
     j = swarm.nearest[i]
     me = swarm.particle[base + i]
     other = listed[MASS * size + j]
@@ -120,11 +123,7 @@ def meet_limb(
     i: int,
 ):
     """A limb takes in at once all that have it for their host, unless it goes over to another itself."""
-    met = Meeting()
-    met.place = place_of(listed, size, i)
-    met.velocity = velocity_of(listed, size, i)
-    met.mass = listed[MASS * size + i]
-    met.alive = 1
+    met = unmet(listed, size, i)
     met.grown = swarm.taken[i]
     host = swarm.host[i]
     if host >= 0:
@@ -140,18 +139,14 @@ def meet_limb(
         total = met.mass
         moment = met.mass * met.place
         momentum = met.mass * met.velocity
-        left = cell_along(cells, 0, cells.nx, listed[i] - far)
-        right = cell_along(cells, 0, cells.nx, listed[i] + far)
-        row_z = cell_along(cells, 2, cells.nz, listed[Z * size + i] - far)
-        front = cell_along(cells, 2, cells.nz, listed[Z * size + i] + far)
-        low = cell_along(cells, 1, cells.ny, listed[Y * size + i] - far)
-        high = cell_along(cells, 1, cells.ny, listed[Y * size + i] + far)
-        while row_z <= front:
-            row_y = int(low)
-            while row_y <= high:
+        around = cells_around(cells, place_of(listed, size, i), far)
+        row_z = int(around.back)
+        while row_z <= around.front:
+            row_y = int(around.low)
+            while row_y <= around.high:
                 row = cells.nx * (row_y + cells.ny * row_z)
-                k = swarm.first[row + left]
-                stop = swarm.first[row + right + 1]
+                k = swarm.first[row + around.left]
+                stop = swarm.first[row + around.right + 1]
                 while k < stop:
                     if swarm.host[k] == i:
                         other = listed[MASS * size + k]

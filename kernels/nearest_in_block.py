@@ -2,7 +2,7 @@
 
 import warp as wp
 
-from flowtree.kernels.living_cells import LivingCells, cell_along
+from flowtree.kernels.living_cells import LivingCells, cells_around
 from flowtree.kernels.swarm import Y, Z
 
 # Loops over the lanes of a block must stay loops: the compiler makes vector instructions of sixteen rounds.
@@ -68,19 +68,15 @@ def search_cells(
 ):
     """Who is nearer to particle i than ``near`` at the squared distance; of equals the first found."""
     reach = wp.sqrt(square) * 1.00001  # a rounding error must not leave out a cell
-    left = cell_along(grid, 0, grid.nx, listed[i] - reach)
-    right = cell_along(grid, 0, grid.nx, listed[i] + reach)
-    low = cell_along(grid, 1, grid.ny, listed[Y * size + i] - reach)
-    high = cell_along(grid, 1, grid.ny, listed[Y * size + i] + reach)
-    back = cell_along(grid, 2, grid.nz, listed[Z * size + i] - reach)
-    front = cell_along(grid, 2, grid.nz, listed[Z * size + i] + reach)
-    row_z = back
-    while row_z <= front:
-        row_y = low
-        while row_y <= high:
+    at = wp.vec3(listed[i], listed[Y * size + i], listed[Z * size + i])
+    around = cells_around(grid, at, reach)
+    row_z = int(around.back)
+    while row_z <= around.front:
+        row_y = int(around.low)
+        while row_y <= around.high:
             row = grid.nx * (row_y + grid.ny * row_z)
-            k = begin[row + left]
-            stop = begin[row + right + 1]
+            k = begin[row + around.left]
+            stop = begin[row + around.right + 1]
             while k < stop and square > 0.0:
                 distance = square_between(listed, size, i, k)
                 if distance < square and k != i:

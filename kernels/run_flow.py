@@ -2,8 +2,8 @@
 
 import warp as wp
 
-from flowtree.kernels.advance_block import advance_block, response_rate
-from flowtree.kernels.advance_particles import FlowForces, TimeGrid
+from flowtree.kernels.advance_block import advance_block
+from flowtree.kernels.advance_particles import FlowForces, TimeGrid, response_rate
 from flowtree.kernels.flow_fields import FlowFields
 from flowtree.kernels.living_cells import fit_cells, share_of
 from flowtree.kernels.meet_others import find_host

@@ -35,6 +35,34 @@ def acceleration(
     return np.asarray((wanted * speed - velocity) * rate)
 
 
+def move(
+    fields: Any,
+    forces: Any,
+    place: NDArray[Any],
+    velocity: NDArray[Any],
+    mass: float,
+    neighbour: NDArray[Any] | None,
+    speed: float,
+    step: float,
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Place and velocity after one step of the classical Runge-Kutta method."""
+    rate = min(1.0 / (forces.response * mass**forces.inertia), 1.0 / step)
+    attraction = 0.0 if neighbour is None else float(forces.attraction)
+    there = place if neighbour is None else neighbour
+
+    def change(y: NDArray[Any]) -> NDArray[Any]:
+        pull = acceleration(fields, forces, y[:3], y[3:], there, attraction, speed, rate)
+        return np.concatenate([y[3:], pull])
+
+    y = np.concatenate([place, velocity])
+    k1 = change(y)
+    k2 = change(y + 0.5 * step * k1)
+    k3 = change(y + 0.5 * step * k2)
+    k4 = change(y + step * k3)
+    y = y + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    return y[:3], y[3:]
+
+
 def advance_particles(
     first: int,
     position: NDArray[Any],
@@ -61,28 +89,9 @@ def advance_particles(
         x, v = np.asarray(position[i], np.float64), np.asarray(velocity[i], np.float64)
         now = state[i]
         if now == 1:
-            neighbour = np.asarray(place[nearest[i]] if nearest[i] >= 0 else x, np.float64)
-            attraction = float(forces.attraction) if nearest[i] >= 0 else 0.0
+            neighbour = np.asarray(place[nearest[i]], np.float64) if nearest[i] >= 0 else None
             speed = float(np.clip(1.0 + forces.pace * (free_flow_time(times, x) - front), 0.4, 2.0))
-            rate = min(1.0 / (forces.response * float(mass[i]) ** forces.inertia), 1.0 / step)
-
-            def change(
-                y: NDArray[Any],
-                neighbour: NDArray[Any] = neighbour,
-                attraction: float = attraction,
-                speed: float = speed,
-                rate: float = rate,
-            ) -> NDArray[Any]:
-                pull = acceleration(fields, forces, y[:3], y[3:], neighbour, attraction, speed, rate)
-                return np.concatenate([y[3:], pull])
-
-            y = np.concatenate([x, v])
-            k1 = change(y)
-            k2 = change(y + 0.5 * step * k1)
-            k3 = change(y + 0.5 * step * k2)
-            k4 = change(y + step * k3)
-            y = y + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-            x, v = y[:3], y[3:]
+            x, v = move(fields, forces, x, v, float(mass[i]), neighbour, speed, step)
             if np.linalg.norm(x) < arrival:
                 now, end_step_out[i] = 3, number
         elif now == 0 and begin[i] == number + 1:

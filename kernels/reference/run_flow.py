@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flowtree.kernels.reference.advance_particles import acceleration, free_flow_time
+from flowtree.kernels.reference.advance_particles import free_flow_time, move
 
 
 def threshold(forces: Any, mass: float, other: float) -> float:
@@ -48,34 +48,6 @@ def find_hosts(
             hosts[i] = min(depths)[1]
     # Who is to go over to one that goes over to another itself, goes on alone.
     return {i: host for i, host in hosts.items() if host not in hosts}
-
-
-def move(
-    fields: Any,
-    forces: Any,
-    place: NDArray[Any],
-    velocity: NDArray[Any],
-    mass: float,
-    neighbour: NDArray[Any] | None,
-    speed: float,
-    step: float,
-) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Place and velocity after one step of the classical Runge-Kutta method."""
-    rate = min(1.0 / (forces.response * mass**forces.inertia), 1.0 / step)
-    attraction = 0.0 if neighbour is None else float(forces.attraction)
-    there = place if neighbour is None else neighbour
-
-    def change(y: NDArray[Any]) -> NDArray[Any]:
-        pull = acceleration(fields, forces, y[:3], y[3:], there, attraction, speed, rate)
-        return np.concatenate([y[3:], pull])
-
-    y = np.concatenate([place, velocity])
-    k1 = change(y)
-    k2 = change(y + 0.5 * step * k1)
-    k3 = change(y + 0.5 * step * k2)
-    k4 = change(y + step * k3)
-    y = y + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-    return y[:3], y[3:]
 
 
 def run_flow(
