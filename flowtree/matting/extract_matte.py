@@ -39,7 +39,8 @@ def extract_matte(
     Args:
         photo: with h x w pixels.
         trimap: (h, w): 0 background, 255 tree, between unknown.
-        scribbles: (h, w): 0 nothing, 1 tree, 2 background, 3 unknown.
+        scribbles: (h, w): 0 nothing, 1 tree, 2 background, 3 something that stands before the tree: there
+            the matte's ``unknown`` is set. Beside a trimap or an alpha channel only the 3 counts.
         params: picked colours, and the size to solve at.
 
     Raises:
@@ -47,12 +48,16 @@ def extract_matte(
             an array of another size than the photo.
     """
     shape = photo.rgb.shape[:2]
+    labels = None
+    if scribbles is not None:
+        labels = check.array(scribbles, "scribbles", shape=shape, dtype=np.uint8, low=0, high=UNKNOWN)
     if photo.alpha is not None:
         seen = bool((photo.alpha > 0.5).any())
         check.require(
             seen, photo.name, "needs a tree in its alpha channel", "an empty one", "cut it out again"
         )
-        return Matte(photo.alpha, estimate_foreground(photo.rgb, photo.alpha), "alpha channel")
+        foreground = estimate_foreground(photo.rgb, photo.alpha)
+        return Matte(photo.alpha, foreground, "alpha channel", _occluded(labels))
     small = _scaled(photo.rgb, params.solve_height)
     if trimap is not None:
         known = check.array(trimap, "trimap", shape=shape, dtype=np.uint8, low=0, high=255)
@@ -61,10 +66,7 @@ def extract_matte(
             check.require(found, "trimap", f"needs some {what}", "none", "mark some of it")
         alpha = _solve_trimap(photo.rgb, known, params.solve_height)
         alpha[known == 0], alpha[known == 255] = 0.0, 1.0
-        return _finish(photo, alpha, "trimap")
-    labels = None
-    if scribbles is not None:
-        labels = check.array(scribbles, "scribbles", shape=shape, dtype=np.uint8, low=0, high=UNKNOWN)
+        return _finish(photo, alpha, "trimap", labels)
     prior, confidence = guess_alpha(
         photo.name,
         small,
@@ -75,10 +77,18 @@ def extract_matte(
     alpha = refine_alpha(small, _solve_box(small, prior, confidence), photo.rgb)
     if labels is not None:
         alpha[labels == TREE], alpha[labels == BACKGROUND] = 1.0, 0.0
-    return _finish(photo, alpha, "automatic" if labels is None else "scribbles")
+    return _finish(photo, alpha, "automatic" if labels is None else "scribbles", labels)
 
 
-def _finish(photo: Photo, alpha: NDArray[np.float32], method: str) -> Matte:
+def _occluded(labels: NDArray[np.uint8] | None) -> NDArray[np.bool_] | None:
+    """Where something stands before the tree; None where nothing does."""
+    if labels is None or not (labels == UNKNOWN).any():
+        return None
+    occluded: NDArray[np.bool_] = labels == UNKNOWN
+    return occluded
+
+
+def _finish(photo: Photo, alpha: NDArray[np.float32], method: str, labels: NDArray[np.uint8] | None) -> Matte:
     stretched = np.clip((alpha - _FAINT) / (_FULL - _FAINT), 0.0, 1.0).astype(np.float32)
     check.require(
         bool((stretched > 0.5).any()),
@@ -87,7 +97,7 @@ def _finish(photo: Photo, alpha: NDArray[np.float32], method: str) -> Matte:
         "no tree found",
         "scribble on the tree and beside it, or pick their colours",
     )
-    return Matte(stretched, estimate_foreground(photo.rgb, stretched), method)
+    return Matte(stretched, estimate_foreground(photo.rgb, stretched), method, _occluded(labels))
 
 
 def _scaled(rgb: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:

@@ -128,7 +128,12 @@ def run_painting(
         directions=tuple(_flip_line(line, width) for line in edit.directions),
         reach=edit.reach,
     )
-    painted = replace(painted, alpha=_flip(painted.alpha), foreground=_flip(painted.foreground))
+    painted = replace(
+        painted,
+        alpha=_flip(painted.alpha),
+        foreground=_flip(painted.foreground),
+        unknown=_flip(painted.unknown),
+    )
     return mirror_photo(photo), painted, flipped
 
 

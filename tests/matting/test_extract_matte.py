@@ -74,6 +74,20 @@ def test_scribbles_are_obeyed():
         extract_matte(photo, scribbles=np.full(truth.shape, 9))
 
 
+@pytest.mark.parametrize("given", ["nothing", "trimap", "alpha channel"])
+def test_what_stands_before_the_tree_is_unknown(given):
+    photo, truth = draw_tree(seed=2)
+    scribbles = np.zeros(truth.shape, np.uint8)
+    scribbles[60:120, 70:78] = 3
+    trimap = np.where(truth > 0.99, 255, np.where(truth < 0.01, 0, 128)) if given == "trimap" else None
+    if given == "alpha channel":
+        photo = Photo(photo.name, photo.rgb, truth)
+    matte = extract_matte(photo, trimap=trimap, scribbles=scribbles)
+    assert matte.unknown is not None
+    assert np.array_equal(matte.unknown, scribbles == 3)
+    assert extract_matte(photo, trimap=trimap, scribbles=np.minimum(scribbles, 1)).unknown is None
+
+
 def two_trees():
     """A green and a red disc of leaves, equally far from the middle, before a sky."""
     rng = np.random.default_rng(0)
