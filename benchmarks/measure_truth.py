@@ -24,7 +24,8 @@ from flowtree.model.tree import TreeModel
 from flowtree.model.volume import DensityVolume
 from flowtree.params import Params
 from flowtree.photos.load_photo import load_photo
-from flowtree.pipeline.reconstruct import reconstruct
+from flowtree.pipeline.cache import StageCache
+from flowtree.pipeline.reconstruct import Reconstruction, reconstruct
 from flowtree.render.render_mask import render_mask
 from flowtree.render.soft_iou import soft_iou
 
@@ -59,7 +60,7 @@ class Measured:
     """What came out of a known tree.
 
     Attributes:
-        tree: made from the pictures at `INPUTS`.
+        made: from the pictures at `INPUTS`.
         of_tree: soft IoU by yaw.
         of_volume: soft IoU by yaw of the density volume alone.
         faults: what is wrong with the tree, in words; empty for a valid one.
@@ -67,12 +68,17 @@ class Measured:
         seconds: that the stages took together.
     """
 
-    tree: TreeModel
+    made: Reconstruction
     of_tree: dict[int, float]
     of_volume: dict[int, float]
     faults: tuple[str, ...]
     digest: str
     seconds: float
+
+    @property
+    def tree(self) -> TreeModel:
+        """The made tree."""
+        return self.made.tree
 
 
 def load_truth(folder: Path) -> Truth:
@@ -101,7 +107,9 @@ def load_truth(folder: Path) -> Truth:
     return Truth(known["name"], float(known["height"]), photos, alphas, cameras)
 
 
-def measure_truth(truth: Truth, *, params: Params = Params(), seed: int = 0) -> Measured:
+def measure_truth(
+    truth: Truth, *, params: Params = Params(), seed: int = 0, cache: StageCache | None = None
+) -> Measured:
     """Makes a tree from the exact mattes at `INPUTS`, and compares it with the known one from every side.
 
     Foot and top are given, so that the cameras are the true ones and what is measured is the tree, not how
@@ -111,17 +119,19 @@ def measure_truth(truth: Truth, *, params: Params = Params(), seed: int = 0) -> 
         truth: the known tree.
         params: of all stages.
         seed: of the run.
+        cache: results of earlier runs.
     """
     made = reconstruct(
         [truth.photos[yaw] for yaw in INPUTS],
         yaws=INPUTS,
         height=truth.height,
-        marks=[_ends(truth.cameras[yaw], truth.height) for yaw in INPUTS],
+        marks=[mark_ends(truth.cameras[yaw], truth.height) for yaw in INPUTS],
         params=params,
         seed=seed,
+        cache=cache,
     )
     return Measured(
-        tree=made.tree,
+        made=made,
         of_tree={yaw: _compare(truth, yaw, made.tree) for yaw in truth.cameras},
         of_volume={yaw: _compare(truth, yaw, made.volume) for yaw in truth.cameras},
         faults=tuple(find_faults(made.tree, made.traces)),
@@ -135,7 +145,7 @@ def mean_over(scores: dict[int, float], yaws: tuple[int, ...]) -> float:
     return float(np.mean([scores[yaw] for yaw in yaws]))
 
 
-def _ends(camera: Camera, height: float) -> ViewMarks:
+def mark_ends(camera: Camera, height: float) -> ViewMarks:
     """Where foot and top are in a picture."""
     return ViewMarks(foot=camera.foot, top=camera.foot[1] - height / camera.metres_per_pixel)
 

@@ -12,21 +12,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from benchmarks import fidelity
 from benchmarks.__main__ import run
+from benchmarks.cases import read_report
+from benchmarks.likeness import measure_exact
 from benchmarks.measure_truth import HELD_OUT, INPUTS, find_faults, load_truth, measure_truth
-from flowtree.configuration import override_params
 from flowtree.errors import InputError
 from flowtree.geometry.projection import project
 from flowtree.meshing.sweep_rings import sweep_rings
 from flowtree.model.traces import FlowTraces
-from flowtree.params import Params
 from tests.pictures import draw_tree
 from tests.trees import hand_made_tree
-
-_SMALL = override_params(
-    Params(), ["density.resolution=20", "flow.particle_count=150", "attraction.grid_height=64"]
-)
 
 
 def save_truth(folder: Path, *, size: tuple[int, int] = (160, 200), alpha: bool = True) -> Path:
@@ -58,54 +53,69 @@ def data(tmp_path_factory):
     return folder
 
 
+_FEW = ["--set", "density.resolution=20", "flow.particle_count=150", "attraction.grid_height=64"]
+
+
+def _run(data, part, *more):
+    return run(["fidelity", "--data", str(data), "--part", part, *_FEW, *more])
+
+
 @pytest.fixture
-def small(monkeypatch):
-    """The whole measure, of few particles."""
-    monkeypatch.setattr(fidelity, "measure_truth", lambda truth: measure_truth(truth, params=_SMALL))
+def easy(monkeypatch):
+    """Bounds that any tree keeps."""
+    for name in ("_INPUTS", "_WORST", "_HELD_OUT"):
+        monkeypatch.setattr(measure_exact, name, 0.0)
 
 
-@pytest.mark.usefixtures("small")
-def test_measures_draws_and_repeats_itself(data, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(fidelity, "TARGETS", {"inputs": 0.0, "held_out": 0.0})
+@pytest.mark.usefixtures("easy")
+def test_measures_draws_and_repeats_itself(data, tmp_path, capsys):
     first, second, folder = tmp_path / "1.json", tmp_path / "2.json", tmp_path / "pictures"
-    assert run(["fidelity", "--data", str(data), "--json", str(first), "-o", str(folder)]) == 0
+    assert _run(data, "truth", "--json", str(first), "-o", str(folder)) == 0
     said = capsys.readouterr().out
-    assert run(["fidelity", "--data", str(data), "--json", str(second), "--tree", "drawn"]) == 0
+    assert _run(data, "truth", "--json", str(second), "--tree", "drawn") == 0
     assert first.read_bytes() == second.read_bytes()
     result = json.loads(first.read_text())
-    scores = result["trees"]["drawn"]["tree"]
+    scores = result["truth"]["drawn"]["tree"]
     for yaws, group in ((INPUTS, "inputs"), (HELD_OUT, "held_out")):
         assert scores[group] == pytest.approx(np.mean([scores[f"yaw_{yaw}"] for yaw in yaws]), abs=1e-4)
         assert f"{scores[group]:.3f}" in said
-    assert result["mean"]["tree"] == scores
+    assert result["parts"]["truth"][0]["items"] == {"drawn": scores["inputs"]}
     assert scores["inputs"] > scores["held_out"], "the other sides are other drawings"
-    assert result["trees"]["drawn"]["faults"] == []
+    assert result["truth"]["drawn"]["faults"] == []
     assert result["machine"] in said
-    with Image.open(folder / "drawn.png") as picture:
-        assert picture.width > picture.height
+    table = (folder / "fidelity.md").read_text()
+    assert f"{scores['inputs']:.3f} | yes" in table
+    with (
+        Image.open(folder / "truth_drawn.jpg") as sheet,
+        Image.open(folder / "truth_drawn_around.jpg") as all_round,
+    ):
+        assert sheet.width > sheet.height
+        assert all_round.width > all_round.height
+    with pytest.raises(InputError):
+        read_report(first)
 
 
-@pytest.mark.usefixtures("small")
-def test_a_mean_below_its_bound_is_a_failure(data, monkeypatch, capsys):
-    monkeypatch.setattr(fidelity, "TARGETS", {"inputs": 0.0, "held_out": 0.999})
-    assert run(["fidelity", "--data", str(data)]) == 1
+def test_a_mean_below_its_bound_is_a_failure(data, capsys):
+    assert _run(data, "truth") == 1
     assert "not passed" in capsys.readouterr().out
 
 
+@pytest.mark.usefixtures("easy")
 def test_a_tree_with_a_fault_is_a_failure(data, monkeypatch, capsys):
-    def broken(truth):
-        return dataclasses.replace(measure_truth(truth, params=_SMALL), faults=("a hole in it",))
+    def broken(*inputs, **options):
+        return dataclasses.replace(measure_truth(*inputs, **options), faults=("a hole in it",))
 
-    monkeypatch.setattr(fidelity, "TARGETS", {"inputs": 0.0, "held_out": 0.0})
-    monkeypatch.setattr(fidelity, "measure_truth", broken)
-    assert run(["fidelity", "--data", str(data)]) == 1
-    assert "fidelity.drawn.fault a hole in it" in capsys.readouterr().out
+    monkeypatch.setattr(measure_exact, "measure_truth", broken)
+    assert _run(data, "truth") == 1
+    assert "faults of these trees.drawn 1.000" in capsys.readouterr().out
 
 
-def test_missing_data_and_unknown_trees_get_one_line(data, tmp_path, capsys):
+def test_missing_data_and_unknown_names_get_one_line(data, tmp_path, capsys):
     for arguments, words in (
-        (["--data", str(tmp_path / "nowhere")], "--data"),
-        (["--data", str(data), "--tree", "drown"], "did you mean 'drawn'?"),
+        (["--data", str(tmp_path / "nowhere"), "--part", "truth"], "--data"),
+        (["--data", str(data)], "--part"),
+        (["--data", str(data), "--part", "truth", "--tree", "drown"], "did you mean 'drawn'?"),
+        (["--data", str(data), "--part", "trouth"], "did you mean 'truth'?"),
     ):
         assert run(["fidelity", *arguments]) == 1
         said = capsys.readouterr()
