@@ -10,6 +10,9 @@ LANES = 64
 
 Lanes = wp.types.vector(length=LANES, dtype=wp.float32)
 
+#: Largest logarithm by which densities are scaled at once: ratios beyond mean nothing and would overflow.
+FARTHEST = wp.constant(20.0)
+
 
 @wp.func
 def sum_shares(
@@ -77,10 +80,94 @@ def start_density(
 
 
 @wp.kernel
+def shape_density(
+    # in:
+    first: int,
+    place: wp.array[wp.vec2],  # (voxels), centre in the slice [voxels]
+    axis_x: wp.array[Lanes],  # (blocks), where the slice's axis stands [voxels]
+    axis_z: wp.array[Lanes],
+    profile: wp.array2d[Lanes],  # (blocks, radii), depth of a voxel at 0.5, 1.5, … voxels from the axis
+    filled: wp.array2d[Lanes],  # (blocks, voxels), 1 where a voxel may be filled, else 0
+    # out:
+    density_out: wp.array2d[Lanes],  # (blocks, voxels)
+):
+    """Round slices: what the profile says of each voxel's distance from the axis, linear in between."""
+    i = first + wp.tid()
+    block = i // density_out.shape[1]
+    voxel = i - block * density_out.shape[1]
+    last = profile.shape[1] - 2
+    at_x, at_z = axis_x[block], axis_z[block]
+    density = Lanes()
+    for lane in range(LANES):
+        x, z = place[voxel][0] - at_x[lane], place[voxel][1] - at_z[lane]
+        radius = wp.clamp(wp.sqrt(x * x + z * z) - 0.5, 0.0, float(last + 1))
+        ring = wp.min(int(radius), last)
+        share = radius - float(ring)
+        density[lane] = (1.0 - share) * profile[block, ring][lane] + share * profile[block, ring + 1][lane]
+    density_out[block, voxel] = wp.cw_mul(density, filled[block, voxel])
+
+
+@wp.kernel
+def compare_depths(
+    # in:
+    first: int,
+    depth: wp.array2d[Lanes],  # (blocks, rays), wanted
+    known: wp.array2d[Lanes],  # (blocks, rays), 1 where a ray's depth is known, else 0
+    sum_now: wp.array2d[Lanes],  # (blocks, rays)
+    # out:
+    log_ratio_out: wp.array2d[Lanes],  # (blocks, rays), of the wanted depth to the sum; 0 where not known
+):
+    """How many times too little the sums along the rays are, as a logarithm of at most `FARTHEST`."""
+    i = first + wp.tid()
+    block = i // depth.shape[1]
+    ray = i - block * depth.shape[1]
+    ratio = Lanes()
+    for lane in range(LANES):
+        if known[block, ray][lane] > 0.0 and sum_now[block, ray][lane] > 0.0:
+            wanted = wp.max(depth[block, ray][lane], 1.0e-30)
+            log_ratio = wp.log(wanted) - wp.log(sum_now[block, ray][lane])
+            ratio[lane] = wp.clamp(log_ratio, -FARTHEST, FARTHEST)
+    log_ratio_out[block, ray] = ratio
+
+
+@wp.kernel
+def scale_density(
+    # in:
+    first: int,
+    voxel_start: wp.array[int],  # (voxels * views + 1), of a voxel's entries in each view
+    voxel_ray: wp.array[int],
+    voxel_share: wp.array[float],
+    views: int,
+    log_ratio: wp.array2d[Lanes],  # (blocks, rays)
+    power: float,  # of the views' ratios
+    # out:
+    density_out: wp.array2d[Lanes],  # (blocks, voxels); preset to the densities of the round before
+):
+    """Multiplies the densities with a power of the product of the ratios that the views want."""
+    i = first + wp.tid()
+    block = i // density_out.shape[1]
+    voxel = i - block * density_out.shape[1]
+    more = sum_shares(
+        voxel_start[voxel * views],
+        voxel_start[(voxel + 1) * views],
+        voxel_ray,
+        voxel_share,
+        block,
+        log_ratio,
+    )
+    density = density_out[block, voxel]
+    for lane in range(LANES):
+        if density[lane] > 0.0:
+            density[lane] = density[lane] * wp.exp(wp.clamp(power * more[lane], -FARTHEST, FARTHEST))
+    density_out[block, voxel] = density
+
+
+@wp.kernel
 def pace_rows(
     # in:
     first: int,
     depth: wp.array2d[Lanes],  # (blocks, rays), wanted
+    known: wp.array2d[Lanes],  # (blocks, rays), 1 where a ray's depth is known, else 0
     weight: wp.array2d[Lanes],  # (blocks, rays), of a ray's squared residual
     sum_now: wp.array2d[Lanes],  # (blocks, rays), of the last densities
     sum_before: wp.array2d[Lanes],  # (blocks, rays), of those before them
@@ -100,7 +187,7 @@ def pace_rows(
     square = Lanes()
     plain = Lanes()
     for ray in range(rays):
-        rest = depth[block, ray] - sum_now[block, ray]
+        rest = wp.cw_mul(known[block, ray], depth[block, ray] - sum_now[block, ray])
         both = wp.cw_mul(rest, rest)
         plain += both
         square += wp.cw_mul(both, weight[block, ray])
@@ -121,7 +208,8 @@ def pace_rows(
             best[lane] = square[lane]
     for ray in range(rays):
         ahead = sum_now[block, ray] + wp.cw_mul(momentum, sum_now[block, ray] - sum_before[block, ray])
-        residual_out[block, ray] = wp.cw_mul(depth[block, ray] - ahead, weight[block, ray])
+        rest = wp.cw_mul(known[block, ray], depth[block, ray] - ahead)
+        residual_out[block, ray] = wp.cw_mul(rest, weight[block, ray])
     age_out[block] = age
     best_out[block] = best
     plain_out[block] = plain

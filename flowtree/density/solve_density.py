@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,8 @@ from flowtree import check
 from flowtree import device as devices
 from flowtree.density.fit_depths import fit_depths
 from flowtree.density.footprint_matrix import footprint_matrix
-from flowtree.geometry.footprint_means import footprint_means, optical_depth
+from flowtree.density.known_depths import known_depths
+from flowtree.density.round_slices import round_slices
 from flowtree.kernels.fit_depths import LANES
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
@@ -87,17 +89,17 @@ def solve_density(
     centres = np.asarray((np.arange(2 * half) + 0.5 - half) * cell, np.float64)
     columns = 2 * int(np.ceil(half * np.sqrt(2.0))) + 2  # the box's diagonal
     left = -columns / 2 * cell
-    depths = [
-        optical_depth(
-            footprint_means(alpha, camera, left=left, bottom=0.0, cell=cell, columns=columns, rows=rows)
-        )
-        for alpha, camera in zip(alphas, cameras, strict=True)
+    read = [
+        known_depths(matte, camera, left=left, cell=cell, columns=columns, rows=rows)
+        for matte, camera in zip(mattes, cameras, strict=True)
     ]
+    known = [sure for _, sure in read]
     shares = [
         footprint_matrix(centres, centres, camera.yaw, left=left, cell=cell, columns=columns) / cell
         for camera in cameras
     ]
-    depths = _balance_rows(depths, params.balance)
+    depths = _balance_rows([depth for depth, _ in read], known, params.balance)
+    prior = round_slices(depths, known, [camera.yaw for camera in cameras], centres / cell)
     least = -float(np.log1p(-params.carve)) if params.carve < 1.0 else np.inf
     side = len(centres)
     volume = np.zeros((side, rows, side), np.float32)
@@ -113,6 +115,8 @@ def solve_density(
             iterations=params.iterations,
             tolerance=params.tolerance,
             device=devices.pick_device(device),
+            known=[sure[:, low:high] for sure in known],
+            prior=replace(prior, axis=prior.axis[low:high], profile=prior.profile[low:high]),
         )
         upright = fitted.reshape(-1, side, side, LANES).transpose(1, 0, 3, 2).reshape(side, -1, side)
         np.divide(upright[:, : high - low], np.float32(cell), out=volume[:, low:high])
@@ -142,12 +146,18 @@ def _extent(alphas: list[NDArray[np.float32]], cameras: Sequence[Camera]) -> tup
     return float(reach), float(top)
 
 
-def _balance_rows(depths: list[NDArray[np.float64]], limit: float) -> list[NDArray[np.float64]]:
-    """Brings each height's total depth to the views' mean, by at most a factor of ``1 + limit``."""
-    totals = [d.sum(axis=0) for d in depths]
-    mean = np.mean(totals, axis=0)
+def _balance_rows(
+    depths: list[NDArray[np.float64]], known: list[NDArray[np.bool_]], limit: float
+) -> list[NDArray[np.float64]]:
+    """Brings each height's total depth to the views' mean, by at most a factor of ``1 + limit``.
+
+    A view that does not know all of a height has no total there.
+    """
+    whole = np.array([sure.all(axis=0) for sure in known])
+    totals = np.array([depth.sum(axis=0) for depth in depths])
+    mean = (totals * whole).sum(axis=0) / np.maximum(whole.sum(axis=0), 1)
     balanced = []
-    for depth, total in zip(depths, totals, strict=True):
-        factor = np.divide(mean, total, out=np.ones_like(mean), where=total > 1e-9)
+    for depth, total, sure in zip(depths, totals, whole, strict=True):
+        factor = np.divide(mean, total, out=np.ones_like(mean), where=sure & (total > 1e-9))
         balanced.append(depth * np.clip(factor, 1 / (1 + limit), 1 + limit))
     return balanced

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 _Array = NDArray[Any]
 
+FARTHEST = 20.0
+
 
 def sum_shares(
     low: int, high: int, column: _Array, share: _Array, block: int, values: _Array
@@ -59,9 +61,64 @@ def start_density(
         density_out[block, voxel] = np.prod(shown * factor[block], axis=0) * filled_out[block, voxel]
 
 
+def shape_density(
+    first: int,
+    place: _Array,
+    axis_x: _Array,
+    axis_z: _Array,
+    profile: _Array,
+    filled: _Array,
+    density_out: _Array,
+) -> None:
+    """Round slices: what the profile says of each voxel's distance from the axis, linear in between."""
+    blocks, voxels = density_out.shape[:2]
+    last = profile.shape[1] - 2
+    for i in range(first, blocks * voxels):
+        block, voxel = divmod(i, voxels)
+        x = np.float64(place[voxel, 0]) - axis_x[block]
+        z = np.float64(place[voxel, 1]) - axis_z[block]
+        radius = np.clip(np.hypot(x, z) - 0.5, 0.0, last + 1)
+        ring = np.minimum(radius.astype(int), last)
+        share = radius - ring
+        lane = np.arange(len(ring))
+        density = (1.0 - share) * profile[block, ring, lane] + share * profile[block, ring + 1, lane]
+        density_out[block, voxel] = density * filled[block, voxel]
+
+
+def compare_depths(first: int, depth: _Array, known: _Array, sum_now: _Array, log_ratio_out: _Array) -> None:
+    """How many times too little the sums along the rays are, as a logarithm of at most `FARTHEST`."""
+    blocks, rays = depth.shape[:2]
+    for i in range(first, blocks * rays):
+        block, ray = divmod(i, rays)
+        says = (known[block, ray] > 0.0) & (sum_now[block, ray] > 0.0)
+        wanted = np.maximum(np.asarray(depth[block, ray], np.float64), 1e-30)
+        ratio = np.log(wanted) - np.log(np.where(says, np.asarray(sum_now[block, ray], np.float64), 1.0))
+        log_ratio_out[block, ray] = np.where(says, np.clip(ratio, -FARTHEST, FARTHEST), 0.0)
+
+
+def scale_density(
+    first: int,
+    voxel_start: _Array,
+    voxel_ray: _Array,
+    voxel_share: _Array,
+    views: int,
+    log_ratio: _Array,
+    power: float,
+    density_out: _Array,
+) -> None:
+    """Multiplies the densities with a power of the product of the ratios that the views want."""
+    blocks, voxels = density_out.shape[:2]
+    for i in range(first, blocks * voxels):
+        block, voxel = divmod(i, voxels)
+        low, high = voxel_start[voxel * views], voxel_start[(voxel + 1) * views]
+        more = sum_shares(low, high, voxel_ray, voxel_share, block, log_ratio)
+        density_out[block, voxel] *= np.exp(np.clip(power * more, -FARTHEST, FARTHEST))
+
+
 def pace_rows(
     first: int,
     depth: _Array,
+    known: _Array,
     weight: _Array,
     sum_now: _Array,
     sum_before: _Array,
@@ -73,7 +130,7 @@ def pace_rows(
 ) -> None:
     """Nesterov's momentum for every height, begun anew where a step made the residual larger."""
     for block in range(first, len(depth)):
-        rest = np.asarray(depth[block], np.float64) - sum_now[block]
+        rest = known[block] * (np.asarray(depth[block], np.float64) - sum_now[block])
         plain_out[block] = (rest**2).sum(axis=0)
         square = (rest**2 * weight[block]).sum(axis=0)
         for lane in range(depth.shape[2]):
@@ -91,7 +148,8 @@ def pace_rows(
                 age_out[block, lane] = older
                 best_out[block, lane] = square[lane]
         change = np.asarray(sum_now[block], np.float64) - sum_before[block]
-        residual_out[block] = (rest - momentum_out[block] * change) * weight[block]
+        ahead = rest - known[block] * momentum_out[block] * change
+        residual_out[block] = ahead * weight[block]
 
 
 def step_density(

@@ -39,9 +39,15 @@ def _chance(seed, blocks=2, views=3, rays=4, voxels=11):
     return along, across, values
 
 
+def _places(seed, voxels=11):
+    """Some of them beyond the last ring of a profile."""
+    return np.random.default_rng(seed).uniform(-4, 4, (voxels, 2)).astype(np.float32)
+
+
 def _upload(values, device):
     kind = wp.int32 if values.dtype == np.int32 else wp.float32
-    return devices.upload(values, kernels.Lanes if values.ndim > 1 else kind, device)
+    kinds = {LANES: kernels.Lanes, 2: wp.vec2}
+    return devices.upload(values, kinds[values.shape[-1]] if values.ndim > 1 else kind, device)
 
 
 def _both(kernel, twin, count, inputs, outputs, device):
@@ -80,8 +86,29 @@ def test_equal_their_twins(device, seed, least):
             kernels.pace_rows,
             twins.pace_rows,
             2,
-            [depth, values(12), values(12), values(12)],
+            [depth, np.round(values(12)), values(12), values(12), values(12)],
             [np.round(3 * values()), 4 * values(), values(), values(), values(12)],
+        ),
+        (
+            kernels.compare_depths,
+            twins.compare_depths,
+            24,
+            [depth * np.round(values(12)), np.round(values(12)), values(12) * np.round(values(12))],
+            [values(12)],
+        ),
+        (
+            kernels.scale_density,
+            twins.scale_density,
+            22,
+            [*across, 3, 2 * depth - 1, 0.7],
+            [density * np.round(values(11))],
+        ),
+        (
+            kernels.shape_density,
+            twins.shape_density,
+            22,
+            [_places(seed), values() - 0.5, values() - 0.5, values(4), np.round(values(11))],
+            [np.zeros_like(density)],
         ),
     ]
     for kernel, twin, count, inputs, outputs in checks:
@@ -96,7 +123,7 @@ def test_a_step_that_made_it_worse_is_taken_back_and_the_next_one_stands(device)
     sum_now, sum_before = 3 * depth, 1.5 * depth  # a residual of 2 now, of 0.5 before
     outputs = [none + 4, none + 0.75, none, none, 0 * depth]
     fast, _ = _both(
-        kernels.pace_rows, twins.pace_rows, 1, [depth, depth, sum_now, sum_before], outputs, device
+        kernels.pace_rows, twins.pace_rows, 1, [depth, depth, depth, sum_now, sum_before], outputs, device
     )
     age, best, plain, momentum, residual = fast
     assert (age == 0).all()
@@ -108,7 +135,7 @@ def test_a_step_that_made_it_worse_is_taken_back_and_the_next_one_stands(device)
         kernels.pace_rows,
         twins.pace_rows,
         1,
-        [depth, depth, sum_now, sum_before],
+        [depth, depth, depth, sum_now, sum_before],
         [age, best, none, none, 0 * depth],
         device,
     )
@@ -116,6 +143,22 @@ def test_a_step_that_made_it_worse_is_taken_back_and_the_next_one_stands(device)
     assert (age == 1).all()
     assert (momentum == 0).all()
     assert (residual == -2).all(), "that of the last densities"
+
+
+@pytest.mark.parametrize("device", DEVICES)
+def test_rays_that_are_not_known_want_nothing(device):
+    depth, none = np.ones((1, 3, LANES), np.float32), np.zeros((1, LANES), np.float32)
+    known = np.zeros_like(depth)
+    (ratio,), _ = _both(
+        kernels.compare_depths, twins.compare_depths, 3, [depth, known, 5 * depth], [depth], device
+    )
+    assert (ratio == 0).all()
+    outputs = [none + 1, none + 9, none + 7, none, depth]
+    fast, _ = _both(
+        kernels.pace_rows, twins.pace_rows, 1, [depth, known, depth, 5 * depth, 4 * depth], outputs, device
+    )
+    assert (fast[2] == 0).all()
+    assert (fast[4] == 0).all()
 
 
 @pytest.mark.parametrize("device", DEVICES)
