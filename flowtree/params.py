@@ -176,6 +176,16 @@ class BranchParams(StageParams):
     least_angle: float = _number(
         28.0, "forks narrower than this are moved to where the branches part", ge=0, le=80, unit="degrees"
     )
+    limb_reach: float = _number(
+        0.025,
+        "distance at which a path belongs to a limb that the pictures show",
+        ge=0,
+        le=0.5,
+        unit="tree heights",
+    )
+    entry_angle: float = _number(
+        45.0, "angle at which a path enters such a limb", ge=5, le=90, unit="degrees"
+    )
     longest_lone: float = _number(
         0.2,
         "a side branch of p particles longer than this times the root of p is dropped: wires are no branches",

@@ -12,9 +12,11 @@ from skimage.graph import MCP_Geometric
 from flowtree import check
 from flowtree.attraction.attach_strokes import attach_strokes
 from flowtree.attraction.choose_seeds import choose_seeds
+from flowtree.attraction.cover_limbs import cover_limbs
 from flowtree.attraction.cut_working_grid import cut_working_grid
 from flowtree.attraction.grow_paths import grow_paths
 from flowtree.attraction.growing_tree import GrowingTree
+from flowtree.attraction.measure_limbs import measure_limbs
 from flowtree.attraction.outline_crown import CrownOutline, outline_crown
 from flowtree.attraction.shape_branches import shape_branches
 from flowtree.attraction.weigh_structures import weigh_structures
@@ -42,6 +44,7 @@ def trace_attractor_graph(
     strokes: Sequence[ArrayLike] = (),
     seeds: ArrayLike | None = None,
     target: tuple[float, float] | None = None,
+    leafy: bool = True,
     params: AttractionParams = AttractionParams(),
     seed: int = 0,
 ) -> AttractorGraph:
@@ -61,6 +64,7 @@ def trace_attractor_graph(
         seeds: (n, 2) [working pixels], besides the ``params.seed_count`` automatic ones.
         target: (x, y) [working pixels] of the stem's first fork, to which all paths lead; the stem from the
             foot passes exactly through it. None is the foot.
+        leafy: whether the tree bears leaves; the limbs of one that does not are all traced.
         params: see `AttractionParams`.
         seed: of the random seeds and the disturbance; same seed, same bytes.
 
@@ -97,16 +101,19 @@ def trace_attractor_graph(
     tree = GrowingTree(grid, foot)
     root = tree.cell_of(foot)
     crown = outline_crown(grid, root[0])
-    cost = weigh_structures(grid, crown, rng)
+    limbs = None if leafy or automatic == 0 else measure_limbs(matte, grid)
+    cost = weigh_structures(grid, crown, rng, limbs)
     goal = root
     if fork is not None:
         place = grid.to_cells(fork[None, :])[0]
         goal = tree.cell_of(place)
         cost = _raise_stem(tree, cost, root, place, grid.tall)
     attach_strokes(tree, cost, [grid.to_cells(line) for line in lines], tall=grid.tall)
+    if limbs is not None:
+        cover_limbs(tree, cost, *limbs, target=goal, tall=grid.tall)
     found = choose_seeds(grid, crown, count=automatic, mode=params.seed_mode, rng=rng)
     found = _away_from_strokes(found, tree, _CROWDED * grid.tall)
-    limbs = _limb_count(crown)
+    main = _limb_count(crown)
     for cells, shortest in ((grid.cell_at(grid.to_cells(given)), 0.0), (found, _STUB)):
         grow_paths(
             tree,
@@ -114,7 +121,7 @@ def trace_attractor_graph(
             cells,
             target=goal,
             tall=grid.tall,
-            limbs=limbs,
+            limbs=main,
             merging=params.merging,
             shortest=shortest,
         )

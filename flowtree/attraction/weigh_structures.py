@@ -12,12 +12,18 @@ from flowtree.attraction.outline_crown import CrownOutline
 
 _THICKEST = 0.08  # of the height: half width up to which an opaque part can be a limb
 _BESIDE_LEADER = 0.04  # of the height: how far from a spire's midline a path pays in full
+_LIMB = 0.004  # of the height: half width from which a bare tree's limb is sure
 _GROUND = 0.05  # of the height: how high grass and shadows reach
 
 _Map = NDArray[np.float64]
 
 
-def weigh_structures(grid: WorkingGrid, crown: CrownOutline, rng: np.random.Generator) -> _Map:
+def weigh_structures(
+    grid: WorkingGrid,
+    crown: CrownOutline,
+    rng: np.random.Generator,
+    limbs: tuple[_Map, _Map] | None = None,
+) -> _Map:
     """Cost per cell (h, w) of a path, > 0 and finite.
 
     Four readings are combined: ridges of the matte (twigs before the sky), ridges of the picture's lightness
@@ -29,6 +35,7 @@ def weigh_structures(grid: WorkingGrid, crown: CrownOutline, rng: np.random.Gene
         grid: the working picture.
         crown: its filled shape.
         rng: draws a weak smooth disturbance, so that a path through a uniform crown is no straight wire.
+        limbs: of a bare tree, as `measure_limbs` gives them: there the middle of a limb is all that counts.
     """
     wood = _stem_likeness(grid, crown)
     middle, thickness = _middle_of_limbs(grid, _thickest(grid, crown))
@@ -42,6 +49,9 @@ def weigh_structures(grid: WorkingGrid, crown: CrownOutline, rng: np.random.Gene
     evidence *= np.clip(grid.alpha * 1.5, 0.0, 1.0)
     # Bark has ridges of its own: inside a limb a path keeps to the middle.
     evidence *= np.where(limb_like, 0.35 + 0.65 * middle, 1.0)
+    if limbs is not None:
+        clear, half = limbs
+        evidence = np.maximum(0.5 * evidence, clear**2 * np.clip(half / _LIMB, 0.0, 1.0))
     # Deep inside the crown a path is free; along its edge it pays up to three times as much.
     depth = np.minimum(crown.depth, 0.12) / 0.12
     inside = 1.0 + 2.0 * (1.0 - depth) ** 2

@@ -5,39 +5,57 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from flowtree.branches.graft_limbs import graft_limbs
 from flowtree.branches.order_branches import order_branches
 from flowtree.branches.prune_branches import prune_branches
 from flowtree.branches.relax_forks import relax_forks
 from flowtree.branches.smooth_branches import smooth_branches
 from flowtree.geometry.parent_array import child_count, parents_first, sum_to_root
+from flowtree.model.attractor import LimbTree
 from flowtree.model.skeleton import Skeleton
 from flowtree.model.traces import FlowTraces
 from flowtree.params import BranchParams
 
 
-def build_skeleton(traces: FlowTraces, *, params: BranchParams = BranchParams()) -> Skeleton:
+def build_skeleton(
+    traces: FlowTraces, *, limbs: LimbTree | None = None, params: BranchParams = BranchParams()
+) -> Skeleton:
     """Turns the particles' joined paths into branches with forks.
 
-    The traces are thinned to one node every few steps; what ends inside the wood of the limb it leaves is
-    pruned; branches are smoothed (``params.smoothing``; 0 leaves them chiselled, Particle Flows, figure 5c);
-    and where a path ran along its limb before it joined, the fork is moved to where the two part, at a
-    natural angle.
+    The traces are thinned to one node every few steps; where they come to a limb that the pictures show they
+    go on along it (`graft_limbs`), and the limb stays where it is; what ends inside the wood of the limb it
+    leaves is pruned; branches are smoothed (``params.smoothing``; 0 leaves them chiselled, Particle Flows,
+    figure 5c); and where a path ran along its limb before it joined, the fork is moved to where the two part,
+    at a natural angle.
+
+    Args:
+        traces: of the particles.
+        limbs: that the pictures show; None for none.
+        params: thinning, pruning, smoothing, angles.
 
     Returns: the skeleton, with ``radius`` still 0; the particles at the root are all particles.
     """
     parent, points, own = _thin(traces, params.stride)
     height = float(points[:, 1].max() - points[:, 1].min()) or 1.0
-    parent, points, own = prune_branches(
+    limb = np.zeros(len(parent), np.bool_)
+    if limbs is not None:
+        parent, points, own, limb = graft_limbs(
+            parent, points, own, limbs, reach=params.limb_reach * height, angle=params.entry_angle
+        )
+    parent, points, own, limb = prune_branches(
         parent,
         points,
         own,
+        limb,
         shortest=params.shortest * height,
-        limb=params.limb_radius * height,
+        limb_radius=params.limb_radius * height,
         longest_lone=params.longest_lone * height,
     )
-    points = smooth_branches(parent, points, sum_to_root(parent, own), rounds=params.smoothing)
-    parent, points, own = relax_forks(parent, points, own, least_angle=params.least_angle)
-    points = smooth_branches(parent, points, sum_to_root(parent, own), rounds=params.smoothing // 2)
+    points = smooth_branches(parent, points, sum_to_root(parent, own), rounds=params.smoothing, still=limb)
+    parent, points, own, limb = relax_forks(parent, points, own, limb, least_angle=params.least_angle)
+    points = smooth_branches(
+        parent, points, sum_to_root(parent, own), rounds=params.smoothing // 2, still=limb
+    )
     order, parent = parents_first(parent)
     points, particles = points[order], sum_to_root(parent, own[order])
     return Skeleton(

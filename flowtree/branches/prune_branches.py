@@ -15,24 +15,27 @@ def prune_branches(
     parent: NDArray[np.int32],
     points: NDArray[np.float64],
     own: NDArray[np.int32],
+    limb: NDArray[np.bool_],
     *,
     shortest: float,
-    limb: float,
+    limb_radius: float,
     longest_lone: float,
-) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.int32]]:
+) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.int32], NDArray[np.bool_]]:
     """Drops side branches that end inside the limb they grow from, and stray wires.
 
     Args:
         parent: (n,).
         points: (n, 3) [m].
         own: (n,) particles that set off at each node; those of a dropped branch are given to its fork.
+        limb: (n,) nodes of limbs that the pictures show: they stay. A limb's parent is one, too.
         shortest: side branches shorter than this go [m].
-        limb: rough radius of the trunk [m]; a limb of p of all P particles has ``limb * sqrt(p / P)``, and a
-            side branch must be longer than `STUB` times that, besides ``shortest``.
+        limb_radius: rough radius of the trunk [m]; a limb of p of all P particles has
+            ``limb_radius * sqrt(p / P)``, and a side branch must be longer than `STUB` times that, besides
+            ``shortest``.
         longest_lone: a side branch of p particles longer than this times ``sqrt(p)`` goes [m]: what a stray
             particle left on its way alone is a wire, not a branch.
 
-    Returns: parent, points and own of what is left.
+    Returns: parent, points, own and limb of what is left.
     """
     particles = sum_to_root(parent, own)
     carries_on = main_child(parent, particles)
@@ -41,9 +44,9 @@ def prune_branches(
     reach = np.zeros(len(parent))  # from the node to the farthest tip behind it
     for nodes in reversed(depth_levels[1:]):
         np.maximum.at(reach, parent[nodes], reach[nodes] + segment[nodes])
-    radius = limb * np.sqrt(particles / max(int(particles[0]), 1))
+    radius = limb_radius * np.sqrt(particles / max(int(particles[0]), 1))
     above = np.maximum(parent, 0)
-    side = (parent >= 0) & (carries_on[above] != np.arange(len(parent)))
+    side = ~limb & (parent >= 0) & (carries_on[above] != np.arange(len(parent)))
     length = reach + segment
     gone = side & ((length < shortest + STUB * radius[above]) | (length > longest_lone * np.sqrt(particles)))
     home = np.arange(len(parent))  # the node that keeps a dropped node's particles
@@ -54,4 +57,4 @@ def prune_branches(
     index = np.cumsum(~gone) - 1
     kept = np.bincount(index[home], weights=own, minlength=int((~gone).sum())).astype(np.int32)
     stays = parent[~gone]
-    return np.where(stays >= 0, index[stays], -1).astype(np.int32), points[~gone], kept
+    return np.where(stays >= 0, index[stays], -1).astype(np.int32), points[~gone], kept, limb[~gone]

@@ -15,9 +15,10 @@ def relax_forks(
     parent: NDArray[np.int32],
     points: NDArray[np.float64],
     own: NDArray[np.int32],
+    still: NDArray[np.bool_],
     *,
     least_angle: float,
-) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.int32]]:
+) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.int32], NDArray[np.bool_]]:
     """Moves the forks of side branches that first run along their limb to where the two part.
 
     Particles attract each other before they join, so a side branch approaches its limb at a small angle. Such
@@ -32,9 +33,10 @@ def relax_forks(
         parent: (n,), parents before children.
         points: (n, 3) [m].
         own: (n,) particles that set off at each node.
+        still: (n,) nodes of limbs that the pictures show: their forks stay where they are.
         least_angle: between the limb and a side branch [degrees].
 
-    Returns: parent, points and own of what is left, parents before children.
+    Returns: parent, points, own and still of what is left, parents before children.
     """
     parent = parent.astype(np.int32)
     own = own.copy()
@@ -48,7 +50,7 @@ def relax_forks(
         sides = (order == level) & (parent >= 0)
         if not sides.any():
             break
-        starts = np.flatnonzero(sides & (order[np.maximum(parent, 0)] < level))
+        starts = np.flatnonzero(sides & ~still & (order[np.maximum(parent, 0)] < level))
         found = _partings(parent, points, ahead, starts, least_cosine)
         by_parent = np.argsort(parent, kind="stable")
         bounds = np.searchsorted(parent[by_parent], np.arange(len(parent) + 1))
@@ -62,7 +64,7 @@ def relax_forks(
     index = np.cumsum(kept) - 1
     above = parent[kept]
     place, sorted_parent = parents_first(np.where(above >= 0, index[above], -1))
-    return sorted_parent, points[kept][place], own[kept][place]
+    return sorted_parent, points[kept][place], own[kept][place], still[kept][place]
 
 
 def _partings(

@@ -11,7 +11,12 @@ from flowtree.geometry.parent_array import main_child
 
 
 def smooth_branches(
-    parent: NDArray[np.int32], points: NDArray[np.float64], weight: NDArray[Any], *, rounds: int
+    parent: NDArray[np.int32],
+    points: NDArray[np.float64],
+    weight: NDArray[Any],
+    *,
+    rounds: int,
+    still: NDArray[np.bool_] | None = None,
 ) -> NDArray[np.float64]:
     """Moves every node toward the middle of its neighbours along its branch; the root and the tips stay.
 
@@ -23,11 +28,13 @@ def smooth_branches(
         points: (n, 3) [m].
         weight: (n,) decides which child carries a branch on.
         rounds: of smoothing, each by half the way.
+        still: (n,) nodes that stay besides; None for no other.
 
     Returns: (n, 3) [m].
     """
     ahead = main_child(parent, weight)
-    inner = np.flatnonzero((parent >= 0) & (ahead >= 0))
+    moves = (parent >= 0) & (ahead >= 0)
+    inner = np.flatnonzero(moves if still is None else moves & ~still)
     smooth = points.copy()
     for _ in range(rounds):
         middle = (smooth[parent[inner]] + smooth[ahead[inner]]) / 2

@@ -19,7 +19,7 @@ from flowtree.flow.upload_fields import upload_fields
 from flowtree.kernels.advance_particles import FlowForces, TimeGrid
 from flowtree.kernels.flow_fields import FlowFields
 from flowtree.kernels.time_flow import time_flow
-from flowtree.model.field import DirectionField
+from flowtree.model.field import DirectionField, LimbField
 from flowtree.model.traces import FlowTraces
 from flowtree.model.volume import DensityVolume
 from flowtree.params import FlowParams
@@ -35,6 +35,7 @@ def trace_particles(
     volume: DensityVolume,
     fields: Sequence[DirectionField],
     *,
+    limbs: LimbField | None = None,
     params: FlowParams = FlowParams(),
     seed: int = 0,
     device: str | None = None,
@@ -64,6 +65,7 @@ def trace_particles(
     Args:
         volume: where particles start, in proportion to its density.
         fields: one a view, all of one resolution.
+        limbs: the field around the limbs in space, which goes before the views'; None for none.
         params: number of particles and forces; lengths in tree heights.
         seed: of the random starts.
         device: where the kernels run; None picks.
@@ -83,7 +85,7 @@ def trace_particles(
     count = params.particle_count or count_particles(volume)
     start = seed_particles(volume, count, seed=seed)
     flow = upload_fields(
-        fields, route_to_foot(volume), pull=params.basis_pull, basin=_BASIN * height, device=where
+        fields, route_to_foot(volume, limbs), pull=params.basis_pull, basin=_BASIN * height, device=where
     )
     clock = _Clock(flow, 2 * params.step * height, arrival, int(2 / params.step), where, threads)
     start_time = clock.time(start)

@@ -1,4 +1,4 @@
-"""The 2D skeleton: attractor graph, drawn strokes, sketch."""
+"""Attractors: the 2D skeleton of a view (graph, drawn strokes, sketch), and the limbs of all views in space."""
 
 from __future__ import annotations
 
@@ -17,6 +17,19 @@ class AttractorGraph:
     Attributes:
         parent: (n,) int32, ``parent[i] < i``; the root alone has -1.
         points: (n, 2) float32 [m].
+    """
+
+    parent: NDArray[np.int32]
+    points: NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class LimbTree:
+    """The limbs that the views' attractor graphs show, in space; world frame.
+
+    Attributes:
+        parent: (n,) int32, ``parent[i] < i``; the root alone has -1.
+        points: (n, 3) float32 [m], the root at the origin.
     """
 
     parent: NDArray[np.int32]

@@ -1,4 +1,4 @@
-"""The direction field of one view."""
+"""Direction fields: of one view, and around the limbs in space."""
 
 from __future__ import annotations
 
@@ -23,3 +23,18 @@ class DirectionField:
     origin: NDArray[np.float32]
     cell: NDArray[np.float32]
     yaw: float
+
+
+@dataclass(frozen=True)
+class LimbField:
+    """Directions in space around the limbs, at the points of a box.
+
+    Attributes:
+        vectors: (nx, ny, nz, 3) float32; their length, 0 to 1, is how surely they lead the right way.
+        corner: (3,) float32 [m], point (0, 0, 0).
+        spacing: of the points [m].
+    """
+
+    vectors: NDArray[np.float32]
+    corner: NDArray[np.float32]
+    spacing: float

@@ -89,10 +89,7 @@ def run_stages(
             for name in stage.kernels:
                 kernels[name].result()
             turns: Sequence[int | None] = range(views) if stage.each_view else (None,)
-            inputs = [
-                [board[name] if turn is None else board[name][turn] for name in stage.inputs]
-                for turn in turns
-            ]
+            inputs = [[_input(board[name], turn) for name in stage.inputs] for turn in turns]
             results = []
             with _Turns(stage, inputs, job, kept) as running:
                 for k in range(len(turns)):
@@ -108,6 +105,11 @@ def run_stages(
     if progress is not None:
         progress(stages[-1].name, 1.0)
     return Run({name: _data(value) for name, value in board.items()}, seconds)
+
+
+def _input(value: Any, turn: int | None) -> Any:
+    """A stage's input in one of its turns: a value that all views share goes to every view."""
+    return value if turn is None or isinstance(value, _Value) else value[turn]
 
 
 class _Turns:

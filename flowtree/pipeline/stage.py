@@ -34,7 +34,8 @@ class Stage:
         inputs: names of values; a value with one entry a view comes as a tuple of all of them.
         outputs: names of the values it makes.
         params: sections of the parameters it reads; others do not make it run again.
-        each_view: it runs once a view, every input being that view's own entry, and so is every output.
+        each_view: it runs once a view: an input with an entry a view is that view's own, others are shared,
+            and every output has an entry a view.
         seeded: the seed changes its result.
         kernels: modules of ``flowtree.kernels`` that it launches from, made ready before it runs.
         share: of the time of a usual run, for the progress bar.

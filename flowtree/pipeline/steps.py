@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from flowtree import check
 from flowtree.attraction.bend_direction_field import bend_direction_field
 from flowtree.attraction.build_direction_field import build_direction_field
+from flowtree.attraction.build_limb_field import build_limb_field
+from flowtree.attraction.lift_graphs import lift_graphs
 from flowtree.attraction.read_strokes import read_strokes
 from flowtree.attraction.trace_attractor_graph import trace_attractor_graph
 from flowtree.branches.build_skeleton import build_skeleton
-from flowtree.branches.center_limbs import center_limbs
 from flowtree.branches.da_vinci_radii import da_vinci_radii
 from flowtree.branches.fit_exponent import fit_exponent
 from flowtree.branches.grow_twigs import grow_twigs
@@ -31,10 +32,10 @@ from flowtree.meshing.load_bark import load_bark
 from flowtree.meshing.measure_bark import measure_bark
 from flowtree.meshing.paint_bark import paint_bark
 from flowtree.meshing.sweep_rings import sweep_rings
-from flowtree.model.attractor import AttractorGraph
+from flowtree.model.attractor import AttractorGraph, LimbTree
 from flowtree.model.camera import Camera
 from flowtree.model.edit import PaintedEdit
-from flowtree.model.field import DirectionField
+from flowtree.model.field import DirectionField, LimbField
 from flowtree.model.foliage import Foliage
 from flowtree.model.marks import ViewMarks
 from flowtree.model.matte import Matte
@@ -164,7 +165,13 @@ def run_density(
 
 
 def run_attraction(
-    job: Job, photo: Photo, matte: Matte, camera: Camera, strokes: Polylines, marks: ViewMarks
+    job: Job,
+    photo: Photo,
+    matte: Matte,
+    camera: Camera,
+    strokes: Polylines,
+    marks: ViewMarks,
+    leafy: bool,
 ) -> AttractorGraph:
     """The attractor graph of one view, steered by what was drawn and pointed at."""
     return trace_attractor_graph(
@@ -174,9 +181,18 @@ def run_attraction(
         strokes=strokes,
         seeds=marks.seeds,
         target=marks.fork,
+        leafy=leafy,
         params=job.params.attraction,
         seed=job.seed,
     )
+
+
+def run_limbs(
+    job: Job, graphs: tuple[AttractorGraph, ...], cameras: tuple[Camera, ...], volume: DensityVolume
+) -> LimbTree:
+    """The limbs in space that look like the graphs in all views."""
+    del job
+    return lift_graphs(graphs, [camera.yaw for camera in cameras], volume)
 
 
 def run_fields(job: Job, graph: AttractorGraph, camera: Camera, edit: PaintedEdit) -> DirectionField:
@@ -185,28 +201,35 @@ def run_fields(job: Job, graph: AttractorGraph, camera: Camera, edit: PaintedEdi
     return bend_direction_field(field, camera, edit)
 
 
-def run_flow(job: Job, volume: DensityVolume, fields: tuple[DirectionField, ...]) -> FlowTraces:
+def run_limb_field(job: Job, limbs: LimbTree, volume: DensityVolume) -> LimbField:
+    """The direction field in space around the limbs."""
+    return build_limb_field(limbs, volume, params=job.params.field)
+
+
+def run_flow(
+    job: Job, volume: DensityVolume, fields: tuple[DirectionField, ...], limb_field: LimbField
+) -> FlowTraces:
     """The particles' joined paths."""
-    return trace_particles(volume, fields, params=job.params.flow, seed=job.seed, device=job.device)
+    params = job.params.flow
+    return trace_particles(volume, fields, limbs=limb_field, params=params, seed=job.seed, device=job.device)
 
 
 def run_branches(
     job: Job,
     traces: FlowTraces,
-    graphs: tuple[AttractorGraph, ...],
+    limbs: LimbTree,
     mattes: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
     leafy: bool,
 ) -> Skeleton:
     """The skeleton with radii: limbs where the graphs run, and as wide as the mattes show."""
     params = job.params.thickness
-    bare = build_skeleton(traces, params=job.params.branches)
-    centred = center_limbs(bare, graphs, [camera.yaw for camera in cameras])
+    branches = build_skeleton(traces, limbs=limbs, params=job.params.branches)
     trunk = _agreed_radius([measure_trunk(m, c) for m, c in zip(mattes, cameras, strict=True)])
     if not leafy and params.exponent is None:
-        exponent = fit_exponent(centred, mattes, cameras, trunk_radius=trunk, params=params)
+        exponent = fit_exponent(branches, mattes, cameras, trunk_radius=trunk, params=params)
         params = params.model_copy(update={"exponent": exponent})
-    return da_vinci_radii(centred, trunk_radius=trunk, params=params)
+    return da_vinci_radii(branches, trunk_radius=trunk, params=params)
 
 
 def _agreed_radius(seen: list[float | None]) -> float | None:

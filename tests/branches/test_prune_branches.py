@@ -7,7 +7,7 @@ from flowtree.geometry.parent_array import sum_to_root
 from tests.branches.traces import own_of, random_traces
 
 
-def by_walking(parent, points, own, *, shortest, limb, longest_lone):
+def by_walking(parent, points, own, *, shortest, limb_radius, longest_lone):
     """Branch by branch, from the root out: which nodes stay, and how many particles each then has."""
     children = [np.flatnonzero(parent == k).tolist() for k in range(len(parent))]
     behind = {}
@@ -30,7 +30,7 @@ def by_walking(parent, points, own, *, shortest, limb, longest_lone):
         for child in children[node]:
             count, way = behind[child]
             length = way + np.linalg.norm(points[child] - points[node])
-            inside = shortest + STUB * limb * np.sqrt(behind[node][0] / max(total, 1))
+            inside = shortest + STUB * limb_radius * np.sqrt(behind[node][0] / max(total, 1))
             if child != main and (length < inside or length > longest_lone * np.sqrt(count)):
                 kept[node] += count
             else:
@@ -51,8 +51,8 @@ def by_walking(parent, points, own, *, shortest, limb, longest_lone):
 def test_equals_walking_the_branches(seed, shortest, limb, longest_lone, collapsed):
     traces = random_traces(seed, 60, collapsed=collapsed)
     points, own = traces.points.astype(float), own_of(traces.parent, traces.particles)
-    rule = {"shortest": shortest, "limb": limb, "longest_lone": longest_lone}
-    parent, left, kept = prune_branches(traces.parent, points, own, **rule)
+    rule = {"shortest": shortest, "limb_radius": limb, "longest_lone": longest_lone}
+    parent, left, kept, _ = prune_branches(traces.parent, points, own, np.zeros(len(own), bool), **rule)
     expected = by_walking(traces.parent, points, own, **rule)
     stays = sorted(expected)
     assert np.array_equal(left, points[stays])
@@ -69,18 +69,25 @@ def limb_with_a_side_branch(length, particles=1):
 
 
 def test_too_short_and_too_long_alone_go():
-    rule = {"shortest": 0.1, "limb": 0.1 / STUB, "longest_lone": 1.0}
+    rule = {"shortest": 0.1, "limb_radius": 0.1 / STUB, "longest_lone": 1.0}
     for length, particles, nodes in (
         *((0.15, 1, 4), (0.25, 1, 5), (0.9, 1, 5), (1.1, 1, 4)),
         *((1.9, 4, 5), (2.1, 4, 4)),
     ):
-        parent, _, own = prune_branches(*limb_with_a_side_branch(length, particles), **rule)
+        tree = limb_with_a_side_branch(length, particles)
+        parent, _, own, _ = prune_branches(*tree, np.zeros(len(tree[0]), bool), **rule)
+        kept, _, _, limb = prune_branches(*tree, np.ones(len(tree[0]), bool), **rule)
+        assert len(kept) == len(tree[0]), "a limb of the pictures stays, whatever it is"
+        assert limb.all()
         assert len(parent) == nodes, f"a branch of {length} m and {particles} particles"
         assert own.sum() == 20 + particles
 
 
 def test_the_main_branch_never_goes():
     parent, points, own = limb_with_a_side_branch(1.0)
-    left, _, kept = prune_branches(parent, points, own, shortest=99, limb=99, longest_lone=1e-9)
+    free = np.zeros(len(own), bool)
+    left, _, kept, _ = prune_branches(
+        parent, points, own, free, shortest=99, limb_radius=99, longest_lone=1e-9
+    )
     assert left.tolist() == [-1, 0, 1, 2]
     assert kept.tolist() == [0, 1, 0, 20]

@@ -90,7 +90,9 @@ def test_equals_the_slow_way(seed, count, least_angle):
     traces = random_traces(seed, count)
     points = traces.points.astype(float) + np.arange(count)[:, None] * 1e-9  # every place is another one
     own = own_of(traces.parent, traces.particles)
-    parent, places, kept = relax_forks(traces.parent, points, own, least_angle=least_angle)
+    parent, places, kept, _ = relax_forks(
+        traces.parent, points, own, np.zeros(len(own), bool), least_angle=least_angle
+    )
     slow = Slow(traces.parent, points, own)
     slow.relax(least_angle)
     assert named(enumerate(parent.tolist()), places, kept) == named(slow.parent.items(), points, slow.own)
@@ -110,7 +112,8 @@ def fork_angles(parent, points, own):
 def test_side_branches_leave_wide_wherever_they_part_in_time(seed, least_angle):
     traces = random_traces(seed, 120)
     points, own = traces.points.astype(float), own_of(traces.parent, traces.particles)
-    parent, points, own = relax_forks(traces.parent, points, own, least_angle=least_angle)
+    free = np.zeros(len(own), bool)
+    parent, points, own, _ = relax_forks(traces.parent, points, own, free, least_angle=least_angle)
     slow = Slow(parent, points, own)
     slow.look()
     sides, angles = fork_angles(parent, points, own)
@@ -128,8 +131,9 @@ def test_side_branches_leave_wide_wherever_they_part_in_time(seed, least_angle):
 def test_no_particle_and_no_tip_is_lost(seed, count, least_angle, collapsed):
     traces = random_traces(seed, max(count, 2), collapsed=collapsed)
     own = own_of(traces.parent, traces.particles)
-    parent, points, kept = relax_forks(
-        traces.parent, traces.points.astype(float), own, least_angle=least_angle
+    free = np.zeros(len(own), bool)
+    parent, points, kept, _ = relax_forks(
+        traces.parent, traces.points.astype(float), own, free, least_angle=least_angle
     )
     assert parent[0] == -1
     assert (parent[1:] >= 0).all()
@@ -144,9 +148,8 @@ def test_no_particle_and_no_tip_is_lost(seed, count, least_angle, collapsed):
 @given(seed=st.integers(0, 10_000))
 def test_relaxed_forks_are_left_alone(seed):
     traces = random_traces(seed, 100)
-    once = relax_forks(
-        traces.parent, traces.points.astype(float), own_of(traces.parent, traces.particles), least_angle=30
-    )
+    own, free = own_of(traces.parent, traces.particles), np.zeros(len(traces.parent), bool)
+    once = relax_forks(traces.parent, traces.points.astype(float), own, free, least_angle=30)
     again = relax_forks(*once, least_angle=30)
     for a, b in zip(once, again, strict=True):
         assert np.array_equal(a, b)
@@ -160,10 +163,29 @@ def test_a_branch_that_runs_along_its_limb_leaves_where_they_part():
     own = np.zeros(17, int)
     own[[10, 16]] = 5, 2
     points = np.array([*limb, *side], float)
-    made, places, kept = relax_forks(parent, points, own, least_angle=28)
+    made, places, kept, _ = relax_forks(parent, points, own, np.zeros(17, bool), least_angle=28)
     fork = int(np.flatnonzero(child_count(made) == 2)[0])
     assert places[fork].tolist() == pytest.approx([0, 0.4, 0])
     assert len(made) == 13
     assert kept.sum() == 7
     _, angles = fork_angles(made, places, kept)
     assert angles == pytest.approx([45.0])
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 10_000), least_angle=st.floats(1, 80))
+def test_limbs_of_the_pictures_stay(seed, least_angle):
+    """What carries every node on is such a limb: their nodes and forks are all there afterwards."""
+    traces = random_traces(seed)
+    own = own_of(traces.parent, traces.particles)
+    main = main_child(traces.parent, traces.particles)
+    still = np.zeros(len(own), bool)
+    still[0] = True
+    for node in range(len(own)):  # two branches in full: the trunk, and one that leaves it
+        still[node] |= node > 0 and still[traces.parent[node]] and (main[traces.parent[node]] == node)
+    parent, points, _, left = relax_forks(
+        traces.parent, traces.points.astype(float), own, still, least_angle=least_angle
+    )
+    assert left.sum() == still.sum()
+    assert np.array_equal(np.sort(points[left], axis=0), np.sort(traces.points[still].astype(float), axis=0))
+    assert left[parent[left & (parent >= 0)]].all()

@@ -1,0 +1,62 @@
+"""Paths along all visible limbs of a bare tree."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from skimage.graph import MCP_Geometric
+
+from flowtree.attraction.growing_tree import GrowingTree
+
+_MIDDLE = 0.75  # how near the middle of its limb a path begins
+_THINNEST = 0.0035  # of the height: half width of the thinnest limb followed
+_BESIDE = 0.012  # of the height: what is as near as this to a path is followed
+_SHORTEST = 0.03  # of the height: a shorter path is a bump of its carrier
+_MOST = 300  # paths
+
+_Map = NDArray[np.float64]
+
+
+def cover_limbs(
+    tree: GrowingTree,
+    cost: _Map,
+    middle: _Map,
+    half: _Map,
+    *,
+    target: tuple[int, int],
+    tall: float,
+) -> None:
+    """Adds cheapest paths to the target until every limb that the matte shows has one.
+
+    The paper's seeds lie on the silhouette, which says little about the limbs inside a bare crown. Here each
+    path begins in the limb's middle that is farthest from the target, among all that no path has followed
+    yet: thin ends first, and the paths merge toward the stem by themselves.
+
+    Args:
+        tree: gets the paths.
+        cost: (h, w) per cell, low along limbs.
+        middle: (h, w) as `measure_limbs` gives it.
+        half: (h, w) [tree heights], likewise.
+        target: (row, column) to which the paths lead.
+        tall: the tree's height [cells].
+    """
+    search = MCP_Geometric(cost)
+    way, _ = search.find_costs([target])
+    ends = np.argwhere((middle > _MIDDLE) & (half > _THINNEST) & np.isfinite(way))
+    followed = (tree.node_at >= 0).astype(np.uint8)
+    reach = max(1, round(_BESIDE * tall))
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
+    followed = np.asarray(cv2.dilate(followed, disc), np.uint8)
+    count = 0
+    for row, column in ends[np.argsort(-way[tuple(ends.T)], kind="stable")].tolist():
+        if followed[row, column] or count == _MOST:
+            continue
+        path = search.traceback((row, column))
+        new = next((k for k, cell in enumerate(path[::-1]) if tree.node_at[cell] >= 0), len(path))
+        if new < _SHORTEST * tall:
+            continue
+        tree.add_path(path)
+        count += 1
+        for y, x in path[-new - 1 :]:
+            cv2.circle(followed, (x, y), reach, 1, -1)

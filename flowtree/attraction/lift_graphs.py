@@ -1,0 +1,255 @@
+"""One 3D tree of limbs from the attractor graphs of all views."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter, map_coordinates
+from scipy.spatial import cKDTree
+
+from flowtree import check
+from flowtree.geometry.parent_array import parents_first
+from flowtree.geometry.polylines import arc_lengths, nearest_on_segments, smooth_polyline
+from flowtree.geometry.projection import to_plane, view_axes
+from flowtree.model.attractor import AttractorGraph, LimbTree
+from flowtree.model.volume import DensityVolume
+
+_DEPTHS = 72  # places along a ray
+_SAME = 0.015  # of the height: a limb whose picture is this near to a line of a graph is that line
+_NEAR = 0.05  # of the height: farther from a graph's line than this a place is not on it
+_SHORTEST = 0.03  # of the height: what a view shows more of a limb than the others must be this long
+_AIR = 2.0  # what a way through air costs, of what a way off the other views' lines costs
+_SHARED = 0.6  # of that cost where the line is another limb's already
+_STEEP = 0.35  # what depth costs: so many times its square over the length seen
+_FAR = 1.2  # depth a limb may gain for the length seen
+_SMOOTH = 0.03  # of the height: sigma of the smoothing of the depth along a limb
+_SEES = 0.3  # sine of the angle between two views from which one sees the other's depth well enough
+_FADE = 0.8  # from node to node
+_USUAL = 0.5  # quantile of the density that counts as solid
+
+_Array = NDArray[np.float64]
+
+
+def lift_graphs(graphs: Sequence[AttractorGraph], yaws: Sequence[float], volume: DensityVolume) -> LimbTree:
+    """Finds for the branches seen in single views the limbs in space that look like them in every view.
+
+    The paper never does this: it averages the views' 2D fields, and particles gather wherever a line of one
+    view crosses a line of another, so that most limbs of the pictures are lost among those that nobody drew.
+
+    Branches are taken heaviest first, whichever view shows them. What of a branch the limbs found so far
+    already look like is theirs. The rest gets its depth by dynamic programming (Viterbi): a smooth path that
+    keeps inside the density and, in every other view, to that view's lines, rather to one that no limb has
+    taken. So two views' pictures of one limb become one limb.
+
+    Args:
+        graphs: one a view, rooted at (0, 0).
+        yaws: of the views [degrees].
+        volume: the density.
+
+    Returns: the limbs, the root at the origin, nodes at most about 1.5 % of the height apart.
+
+    Raises:
+        InputError: no graph, or one without a segment.
+    """
+    check.require(len(graphs) > 0, "attractor graphs", "need at least one", "none", "give a view")
+    height = max(float(graph.points[:, 1].max()) for graph in graphs)
+    check.require(
+        height > 0, "attractor graphs", "must rise from the foot", "none that does", "draw a branch"
+    )
+    lifting = _Lifting(graphs, yaws, volume, height)
+    branches = [
+        (weight, view, nodes) for view, graph in enumerate(graphs) for weight, nodes in _branches(graph)
+    ]
+    # A branch is never heavier than its carrier, and comes behind it among equals.
+    for _, view, nodes in sorted(branches, key=lambda branch: -branch[0]):
+        lifting.add(view, nodes)
+    order, parent = parents_first(np.array(lifting.parent))
+    return LimbTree(parent, np.array(lifting.points)[order].astype(np.float32))
+
+
+def _branches(graph: AttractorGraph) -> list[tuple[float, list[int]]]:
+    """Length above its base and nodes of every branch, each from the fork that it leaves, carriers first."""
+    parent, points = graph.parent, graph.points.astype(np.float64)
+    count = len(parent)
+    above = np.zeros(count)
+    for node in range(count - 1, 0, -1):
+        above[parent[node]] += above[node] + float(np.linalg.norm(points[node] - points[parent[node]]))
+    children: list[list[int]] = [[] for _ in range(count)]
+    for node in range(1, count):
+        children[parent[node]].append(node)
+    branches = []
+    waiting = [(0, -1)]
+    while waiting:
+        first, fork = waiting.pop(0)
+        nodes = [first] if fork < 0 else [fork, first]
+        while children[nodes[-1]]:
+            heavy = max(children[nodes[-1]], key=lambda child: (above[child], -child))
+            waiting.extend((child, nodes[-1]) for child in children[nodes[-1]] if child != heavy)
+            nodes.append(heavy)
+        rise = float(np.linalg.norm(points[first] - points[max(fork, 0)]))
+        branches.append((above[first] + rise, nodes))
+    return branches
+
+
+def _height_offset(line: _Array, flat: _Array) -> _Array:
+    """How far right of each point (n, 2) a line runs at its nearest place [m]."""
+    start, end = line[:-1], line[1:]
+    _, nearest = nearest_on_segments(flat[:, None], start[None], end[None])
+    distance = np.linalg.norm(nearest - flat[:, None], axis=2)
+    chosen = nearest[np.arange(len(flat)), distance.argmin(axis=1)]
+    return np.asarray((chosen - flat)[:, 0])
+
+
+class _Lifting:
+    """The limbs while branches are still joining them.
+
+    Attributes:
+        parent: of each node; the root's is -1.
+        points: of each node [m].
+    """
+
+    def __init__(
+        self,
+        graphs: Sequence[AttractorGraph],
+        yaws: Sequence[float],
+        volume: DensityVolume,
+        height: float,
+    ) -> None:
+        self.parent: list[int] = [-1]
+        self.points: list[_Array] = [np.zeros(3)]
+        self._view = [-1]
+        self._graphs, self._height = graphs, height
+        self._axes = [view_axes(yaw) for yaw in yaws]
+        self._yaws = yaws
+        self._limb_of = [np.zeros(len(graph.parent), np.int64) for graph in graphs]
+        self._taken = [np.zeros(len(graph.parent), np.bool_) for graph in graphs]
+        smooth = gaussian_filter(volume.density.astype(np.float64), 0.7)
+        filled = smooth[smooth > 0]
+        usual = float(np.quantile(filled, _USUAL)) if len(filled) else 1.0
+        self._solid = np.minimum(smooth / usual, 1.0)
+        self._origin, self._voxel = volume.origin.astype(np.float64), float(volume.voxel)
+        size = np.array(volume.density.shape) * self._voxel
+        reach = float(np.abs([self._origin, self._origin + size])[:, [0, 2]].max())
+        self._depths = np.linspace(-reach, reach, _DEPTHS)
+
+    def add(self, view: int, nodes: list[int]) -> None:
+        """Adds what no limb looks like yet of a branch of one view."""
+        line = self._graphs[view].points[nodes].astype(np.float64)
+        known = self._follow(view, nodes, line)
+        along = arc_lengths(line)
+        if along[-1] - along[known] < _SHORTEST * self._height and known > 0:
+            self._limb_of[view][nodes[known:]] = self._limb_of[view][nodes[known]]
+            return
+        at = int(self._limb_of[view][nodes[known]])
+        depth = self._find_depth(view, line[known:], at)
+        right, up, toward = self._axes[view]
+        first = len(self.parent)
+        for node, (x, y), z in zip(nodes[known + 1 :], line[known + 1 :], depth[1:], strict=True):
+            self.parent.append(at)
+            self._view.append(view)
+            self.points.append(x * right + y * up + z * toward)
+            at = len(self.parent) - 1
+            self._limb_of[view][node] = at
+        self._mark_taken(np.array(self.points[first:]))
+
+    def _follow(self, view: int, nodes: list[int], line: _Array) -> int:
+        """How many of the branch's nodes lie on the picture of a limb that goes on from the fork's.
+
+        Sets the limb's nodes that they belong to.
+        """
+        start = int(self._limb_of[view][nodes[0]])
+        count = len(self.parent)
+        flat = to_plane(np.array(self.points), self._yaws[view])
+        distance, nearest = cKDTree(line).query(flat)
+        near = distance < _SAME * self._height
+        reached = np.full(count, -1)
+        reached[start] = 0
+        for node in range(start + 1, count):
+            below = reached[self.parent[node]]
+            if below >= 0 and near[node] and nearest[node] >= below:
+                reached[node] = nearest[node]
+        end = int(reached.argmax())
+        known = int(reached[end])
+        way = [end]
+        while way[-1] != start:
+            way.append(self.parent[way[-1]])
+        # Each node of the branch belongs to the first limb's node that has come as far.
+        at = np.searchsorted(reached[way[::-1]], np.arange(known + 1))
+        self._limb_of[view][nodes[: known + 1]] = np.array(way[::-1])[at]
+        self._draw_onto(view, way, line)
+        return known
+
+    def _draw_onto(self, view: int, way: list[int], line: _Array) -> None:
+        """Shifts limb nodes in depth, as their own view sees it, onto the line that they look like here."""
+        right = self._axes[view][0]
+        points = np.array(self.points)
+        aside = _height_offset(line, to_plane(points[way], self._yaws[view]))
+        shift = np.zeros(len(points))
+        for node, off in zip(way, aside.tolist(), strict=True):
+            own = self._view[node]
+            sees = float(self._axes[own][2] @ right) if own >= 0 else 0.0
+            if own != view and abs(sees) > _SEES:
+                shift[node] = off / sees
+        on_way = np.zeros(len(points), np.bool_)
+        on_way[way] = True
+        for node in range(1, len(points)):
+            if not on_way[node]:  # what grows from there comes along, less and less
+                shift[node] = _FADE * shift[self.parent[node]]
+            if shift[node] != 0.0:
+                self.points[node] = self.points[node] + shift[node] * self._axes[self._view[node]][2]
+
+    def _find_depth(self, view: int, line: _Array, at: int) -> _Array:
+        """Depth (n,) [m] toward the camera of the points of a line that starts at a limb's node."""
+        right, up, toward = self._axes[view]
+        depths = self._depths
+        begin = float(np.clip(self.points[at] @ toward, depths[0], depths[-1]))
+        place = line[:, None, :1] * right + line[:, None, 1:] * up + depths[None, :, None] * toward
+        price = self._price(view, place)
+        step = np.maximum(np.linalg.norm(np.diff(line, axis=0), axis=1), 1e-9)
+        gain = np.abs(depths[:, None] - depths[None, :])
+        # The first step starts between two depths.
+        total = self._change(np.abs(depths - begin), step[0], depths) + step[0] * price[1]
+        back = np.zeros((len(line), len(depths)), np.int64)
+        for k in range(2, len(line)):
+            ways = total[None, :] + self._change(gain, step[k - 1], depths)
+            back[k] = ways.argmin(axis=1)
+            total = ways[np.arange(len(depths)), back[k]] + step[k - 1] * price[k]
+        chosen = [int(total.argmin())]
+        for k in range(len(line) - 1, 1, -1):
+            chosen.append(int(back[k][chosen[-1]]))
+        depth = np.concatenate([[begin], depths[chosen[::-1]]])
+        spacing = float(np.mean(step))
+        curve = np.stack([arc_lengths(line), depth], axis=1)
+        return np.asarray(smooth_polyline(curve, _SMOOTH * self._height / spacing)[:, 1])
+
+    def _change(self, gain: _Array, step: float, depths: _Array) -> _Array:
+        """What a change of depth costs over a step of the line."""
+        # Depths are too coarse for a short step: the nearest place is always allowed.
+        most = max(_FAR * step, float(depths[1] - depths[0]))
+        return np.asarray(np.where(gain <= most, _STEEP * gain**2 / max(step, most), np.inf))
+
+    def _price(self, view: int, place: _Array) -> _Array:
+        """Cost (n, depths) a metre of a limb at these places (n, depths, 3)."""
+        index = (place - self._origin) / self._voxel - 0.5
+        solid = map_coordinates(self._solid, index.reshape(-1, 3).T, order=1, mode="constant")
+        price = _AIR * (1.0 - solid.reshape(place.shape[:2]))
+        for other, graph in enumerate(self._graphs):
+            if other == view or abs(float(self._axes[other][2] @ self._axes[view][2])) > 0.995:
+                continue
+            flat = to_plane(place.reshape(-1, 3), self._yaws[other])
+            taken = self._taken[other]
+            off = np.full(len(flat), 1.0)
+            for lines, least in ((graph.points[~taken], 0.0), (graph.points[taken], _SHARED)):
+                if len(lines):
+                    distance = cKDTree(lines).query(flat)[0] / (_NEAR * self._height)
+                    off = np.minimum(off, least + (1.0 - least) * distance)
+            price += off.reshape(price.shape)
+        return np.asarray(price)
+
+    def _mark_taken(self, points: _Array) -> None:
+        """Remembers which lines of all views a new limb looks like."""
+        for view, graph in enumerate(self._graphs):
+            tree = cKDTree(to_plane(points, self._yaws[view]))
+            self._taken[view] |= tree.query(graph.points)[0] < _SAME * self._height
