@@ -18,7 +18,7 @@ def _counts(volume, count, seed):
 @settings(max_examples=20, deadline=None)
 @given(seed=st.integers(0, 10_000), count=st.integers(1, 400), shape=st.tuples(*[st.integers(1, 7)] * 3))
 def test_every_voxel_gets_its_share_to_within_two(seed, count, shape):
-    """Stratified: along the curve a voxel of expected e particles cuts at most two strata."""
+    """A voxel of expected e particles gets floor(e + t), up to what the given number asks of all."""
     rng = np.random.default_rng(seed)
     density = (rng.random(shape) ** 3).astype(np.float32)
     density[rng.random(shape) < 0.3] = 0
@@ -53,3 +53,23 @@ def test_equal_seeds_give_equal_places_and_others_do_not():
     one, same, other = (seed_particles(volume, 50, seed=s) for s in (3, 3, 4))
     assert one.tobytes() == same.tobytes()
     assert not np.array_equal(one, other)
+
+
+@settings(max_examples=15, deadline=None)
+@given(seed=st.integers(0, 10_000), erased=st.booleans(), wider=st.integers(0, 3))
+def test_a_change_in_one_place_leaves_the_places_elsewhere(seed, erased, wider):
+    rng = np.random.default_rng(seed)
+    density = rng.random((16, 20, 16)).astype(np.float32)
+    before = DensityVolume(density, np.float32([-2, 0, -2]), 0.25)
+    changed = np.pad(density, ((wider, wider), (0, 0), (wider, wider)))  # the box has become wider too
+    changed[wider : wider + 8, 5:15, wider : wider + 8] *= 0.0 if erased else 2.0
+    after = DensityVolume(changed, np.float32([-2 - wider / 4, 0, -2 - wider / 4]), 0.25)
+    # As many more or less as the place holds, so that elsewhere as many are wanted as before.
+    count = 600
+    one = seed_particles(before, count, seed=seed)
+    two = seed_particles(after, round(count * changed.sum() / density.sum()), seed=seed)
+
+    def far(places):
+        return {p.tobytes() for p in places[(places[:, 0] > 0.01) | (places[:, 2] > 0.01)].round(4)}
+
+    assert len(far(one) & far(two)) > 0.95 * len(far(one))

@@ -111,7 +111,10 @@ def test_a_crown_over_a_stem_becomes_a_tree_with_one_trunk(device):
     assert np.hypot(trunk[:, 0], trunk[:, 2]).max() < 0.15 * height
     steps = np.linalg.norm(traces.points[1:] - traces.points[traces.parent[1:]], axis=1)
     assert steps.max() < 0.1 * height, "nothing is wired straight to the foot"
-    assert (traces.step[1:] < traces.step[traces.parent[1:]]).all(), "the step falls toward the tips"
+    later = traces.step[traces.parent[1:]] - traces.step[1:]
+    # Who joins one that joins another in the same step is recorded in that step.
+    assert (later >= 0).all(), "the step falls toward the tips"
+    assert (later > 0).mean() > 0.99
     stems = np.flatnonzero(traces.parent == 0)
     assert traces.particles[stems].max() > 0.97 * 300
 
