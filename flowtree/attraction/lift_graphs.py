@@ -16,8 +16,9 @@ from flowtree.geometry.projection import to_plane, view_axes
 from flowtree.model.attractor import AttractorGraph, LimbTree
 from flowtree.model.volume import DensityVolume
 
-_DEPTHS = 72  # places along a ray
+_DEPTHS = 73  # places along a ray; odd, so that the axis is one
 _SAME = 0.015  # of the height: a limb whose picture is this near to a line of a graph is that line
+_ON = 0.012  # of the height: as near as this a place is on a line; nodes of graphs lie that far apart
 _NEAR = 0.05  # of the height: farther from a graph's line than this a place is not on it
 _SHORTEST = 0.03  # of the height: what a view shows more of a limb than the others must be this long
 _AIR = 2.0  # what a way through air costs, of what a way off the other views' lines costs
@@ -243,8 +244,9 @@ class _Lifting:
             off = np.full(len(flat), 1.0)
             for lines, least in ((graph.points[~taken], 0.0), (graph.points[taken], _SHARED)):
                 if len(lines):
-                    distance = cKDTree(lines).query(flat)[0] / (_NEAR * self._height)
-                    off = np.minimum(off, least + (1.0 - least) * distance)
+                    distance = cKDTree(lines).query(flat)[0] / self._height
+                    away = np.maximum(distance - _ON, 0.0) / (_NEAR - _ON)
+                    off = np.minimum(off, least + (1.0 - least) * away)
             price += off.reshape(price.shape)
         return np.asarray(price)
 

@@ -1,0 +1,112 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial import cKDTree
+
+from flowtree.attraction.build_limb_field import build_limb_field
+from flowtree.attraction.lift_graphs import lift_graphs
+from flowtree.errors import InputError
+from flowtree.geometry.polylines import subdivide_polyline
+from flowtree.geometry.projection import to_plane
+from flowtree.model.attractor import AttractorGraph, LimbTree
+from flowtree.model.volume import DensityVolume
+from flowtree.params import FieldParams
+
+
+def volume(size=24):
+    """A round crown, 1 m high, around the axis."""
+    corner = np.array([-0.5, 0.0, -0.5], np.float32)
+    place = (np.stack(np.meshgrid(*[np.arange(size)] * 3, indexing="ij"), axis=-1) + 0.5) / size + corner
+    inside = np.linalg.norm(place - [0, 0.5, 0], axis=-1) < 0.5
+    return DensityVolume(inside.astype(np.float32), corner, 1 / size)
+
+
+def limbs_of(*lines):
+    """A tree of straight limbs; each line begins at a node of one before it."""
+    parent, points = [-1], [np.zeros(3)]
+    for line in lines:
+        dense = subdivide_polyline(np.array(line, float), 0.015)
+        at = int(np.linalg.norm(np.array(points) - dense[0], axis=1).argmin())
+        for point in dense[1:]:
+            parent.append(at)
+            points.append(point)
+            at = len(points) - 1
+    return LimbTree(np.array(parent, np.int32), np.array(points, np.float32))
+
+
+TREE = limbs_of(
+    [[0, 0, 0], [0, 0.8, 0]],
+    [[0, 0.3, 0], [0.25, 0.55, 0.1]],
+    [[0, 0.45, 0], [-0.15, 0.65, 0.2]],
+    [[0, 0.2, 0], [-0.1, 0.35, -0.3]],
+)
+
+
+def graph_of(limbs, yaw):
+    return AttractorGraph(limbs.parent, to_plane(limbs.points, yaw).astype(np.float32))
+
+
+def far_apart(a, b):
+    return float(cKDTree(b).query(a)[0].max())
+
+
+def test_limbs_seen_from_two_sides_are_found():
+    made = lift_graphs([graph_of(TREE, yaw) for yaw in (0, 90)], (0, 90), volume())
+    assert far_apart(TREE.points, made.points) < 0.05
+    assert far_apart(made.points, TREE.points) < 0.05
+    assert int((np.bincount(made.parent[1:], minlength=len(made.parent)) == 0).sum()) == 4
+
+
+@settings(max_examples=15, deadline=None)
+@given(seed=st.integers(0, 1000), turn=st.floats(40, 140), views=st.integers(1, 3))
+def test_every_view_finds_its_graph_in_the_limbs(seed, turn, views):
+    rng = np.random.default_rng(seed)
+    yaws = [turn * k for k in range(views)]
+    graphs = []
+    for _ in yaws:
+        lines = [[[0, 0, 0], [0, rng.uniform(0.4, 0.9), 0]]]
+        for _ in range(int(rng.integers(1, 5))):
+            low = rng.uniform(0.1, 0.4)
+            lines.append([[0, low, 0], [rng.uniform(-0.4, 0.4), rng.uniform(low, 0.9), 0]])
+        graphs.append(graph_of(limbs_of(*lines), 0))
+    made = lift_graphs(graphs, yaws, volume())
+    assert made.parent[0] == -1
+    assert (made.parent[1:] >= 0).all()
+    assert (made.parent < np.arange(len(made.parent))).all()
+    assert np.isfinite(made.points).all()
+    assert not made.points[0].any()
+    for graph, yaw in zip(graphs, yaws, strict=True):
+        assert far_apart(graph.points, to_plane(made.points, yaw)) < 0.06
+
+
+def test_without_a_branch_there_is_nothing_to_lift():
+    with pytest.raises(InputError, match="attractor graphs"):
+        lift_graphs([], [], volume())
+    flat = AttractorGraph(np.array([-1, 0], np.int32), np.array([[0, 0], [1, 0]], np.float32))
+    with pytest.raises(InputError, match="attractor graphs"):
+        lift_graphs([flat], [0], volume())
+
+
+@pytest.mark.parametrize("blending", ["linear", "constant"])
+def test_the_field_leads_to_the_foot_along_the_limbs(blending):
+    field = build_limb_field(TREE, volume(), params=FieldParams(blending=blending))
+    size = np.linalg.norm(field.vectors, axis=-1)
+    assert size.max() <= 1.0001
+    place = np.array([0.12, 0.5, 0.02])
+    for _ in range(400):
+        index = np.round((place - field.corner) / field.spacing).astype(int)
+        step = field.vectors[tuple(index)]
+        assert step.any()
+        place = place + 0.004 * step
+        if np.linalg.norm(place) < 0.04:
+            break
+    else:
+        pytest.fail(f"never came to the foot, but to {place}")
+
+
+def test_far_from_all_limbs_the_views_lead():
+    stem = limbs_of([[0, 0, 0], [0, 0.3, 0]])
+    field = build_limb_field(stem, volume(), params=FieldParams(reach=0.1))
+    index = np.round((np.array([0.1, 0.8, 0.1]) - field.corner) / field.spacing).astype(int)
+    assert not field.vectors[tuple(index)].any()
