@@ -1,4 +1,4 @@
-"""Makes the pictures of the README from the bundled pair."""
+"""Makes the pictures of the README: of the bundled pair, and of trees made from photographs of many kinds."""
 
 from __future__ import annotations
 
@@ -6,46 +6,65 @@ import argparse
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
+from flowtree import check
+from flowtree.cli.reconstruct import draw_preview
+from flowtree.model.tree import TreeModel
 from flowtree.params import RenderParams
-from flowtree.pipeline.reconstruct import Reconstruction, reconstruct
+from flowtree.pipeline.reconstruct import reconstruct
+from flowtree.render.draw_panels import lay_over_sky
 from flowtree.render.fit_camera import fit_camera
-from flowtree.render.render_sheet import render_sheet
 from flowtree.render.render_view import render_view
 from flowtree.render.write_picture import write_picture
 
 _ROOT = Path(__file__).parents[1]
 _PAIR = [_ROOT / "flowtree" / "cli" / "demo" / f"photo_{k}.jpg" for k in (0, 1)]
-_HEIGHT = 11.0  # [m]
+_HEIGHT = 11.0  # [m], of the bundled tree
 _SIDE = 560  # pixels of one panel
 _YAWS = (0.0, 45.0, 90.0)
-_SKY, _GROUND = np.array([196.0, 214.0, 232.0]), np.array([240.0, 240.0, 236.0])
+_DATA = _ROOT / ".." / "shared" / "data"
+# Pictures of other people are shown by what was made of them, from the front.
+_KINDS = (
+    ("photos/catalpa.jpg", "photos/burr_oak.jpg", "photos/douglas_fir.jpg", "photos/osage_orange_yellow.jpg"),
+    ("cutouts/palm-tree2.png", "cutouts/purple-leaf-plum.png", "photos/sycamore_bare.jpg", "truth/willow"),
+)
+_KIND_SIDE = 420
 
 
 def main(argv: list[str]) -> int:
-    """Writes demo.jpg and sheet.jpg into benchmarks/gallery."""
+    """Writes demo.jpg, sheet.jpg and kinds.jpg into benchmarks/gallery."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks gallery", description=__doc__)
     parser.add_argument("-o", "--output", type=Path, default=_ROOT / "benchmarks" / "gallery")
-    folder = parser.parse_args(argv).output
+    parser.add_argument("--data", type=Path, default=_DATA, help="the folder of photographs and known trees")
+    options = parser.parse_args(argv)
+    folder = options.output
+    check.require(
+        options.data.is_dir(),
+        str(options.data),
+        "must be a folder",
+        "none",
+        "name the data folder with --data",
+    )
     folder.mkdir(parents=True, exist_ok=True)
     made = reconstruct(_PAIR, yaws=(0.0, 90.0), height=_HEIGHT)
-    write_picture(_views(made), folder / "demo.jpg", quality=88)
-    params = RenderParams(size=_SIDE)
-    sheet = render_sheet(made.photos, made.mattes, made.cameras, made.graphs, made.tree, params=params)
-    write_picture(sheet, folder / "sheet.jpg", quality=85)
-    for name in ("demo.jpg", "sheet.jpg"):
+    views = np.concatenate([_draw(made.tree, yaw, _SIDE) for yaw in _YAWS], axis=1)
+    write_picture(views, folder / "demo.jpg", quality=88)
+    write_picture(draw_preview(made, RenderParams()), folder / "sheet.jpg", quality=85)
+    kinds = [np.concatenate([_make(options.data / name) for name in row], axis=1) for row in _KINDS]
+    write_picture(np.concatenate(kinds, axis=0), folder / "kinds.jpg", quality=86)
+    for name in ("demo.jpg", "sheet.jpg", "kinds.jpg"):
         print(f"gallery.{name} {(folder / name).stat().st_size / 1000:.0f} kB")
     return 0
 
 
-def _views(made: Reconstruction) -> np.ndarray:
-    """The tree from three sides, over a plain sky: (h, 3 h, 3) uint8."""
-    panels = []
-    for yaw in _YAWS:
-        camera = fit_camera(made.tree, yaw, _SIDE)
-        drawn = render_view(made.tree, camera, params=RenderParams(size=_SIDE)).astype(np.float64)
-        share = np.linspace(0.0, 1.0, _SIDE)[:, None, None]
-        backdrop = _SKY * (1.0 - share) + _GROUND * share
-        alpha = drawn[..., 3:] / 255.0
-        panels.append(drawn[..., :3] * alpha + backdrop * (1.0 - alpha))
-    return np.rint(np.concatenate(panels, axis=1)).astype(np.uint8)
+def _make(picture: Path) -> NDArray[np.uint8]:
+    """What one photograph, or the two loose ones of a known tree, became."""
+    files = [picture / f"photo_{k}.jpg" for k in (0, 1)] if picture.is_dir() else [picture]
+    return _draw(reconstruct(files).tree, 0.0, _KIND_SIDE)
+
+
+def _draw(tree: TreeModel, yaw: float, side: int) -> NDArray[np.uint8]:
+    """The tree over a plain sky: (side, side, 3) uint8."""
+    camera = fit_camera(tree, yaw, side)
+    return lay_over_sky(render_view(tree, camera, params=RenderParams(size=side)))

@@ -10,7 +10,7 @@ import typer
 
 from flowtree.cli.outputs import check_folder
 from flowtree.cli.progress import show_progress
-from flowtree.cli.reconstruct import print_result
+from flowtree.cli.reconstruct import draw_preview, print_result
 
 _PAIR = ("photo_0.jpg", "photo_1.jpg")
 _HEIGHT = 11.0  # [m], of the tree in the pictures
@@ -27,10 +27,9 @@ def demo(
         from flowtree.errors import OutputError
         from flowtree.export.export_tree import export_tree
         from flowtree.files import write_whole
+        from flowtree.params import RenderParams
         from flowtree.pipeline.build_report import report_bytes
         from flowtree.pipeline.reconstruct import reconstruct
-        from flowtree.render.fit_camera import fit_camera
-        from flowtree.render.render_view import render_view
         from flowtree.render.write_picture import write_picture
 
         try:
@@ -43,11 +42,10 @@ def demo(
         result = reconstruct(pictures, yaws=(0.0, 90.0), height=_HEIGHT, progress=progress)
         tree, preview, report = (output / name for name in ("tree.glb", "preview.png", "report.json"))
         export_tree(result.tree, tree)
-        camera = fit_camera(result.tree, 0.0, 768)
-        write_picture(render_view(result.tree, camera), preview)
+        write_picture(draw_preview(result, RenderParams()), preview)
         write_whole(report, report_bytes(result.report))
     typer.echo(f"Two pictures of a tree, from {' and '.join(str(picture) for picture in pictures)}")
     print_result(result.report, tree)
-    typer.echo(f"{preview}: the tree from the front")
+    typer.echo(f"{preview}: a contact sheet: what came in, and the tree beside it")
     typer.echo(f"{report}: what was measured")
     typer.echo(f"in {time.perf_counter() - start:.1f} s")

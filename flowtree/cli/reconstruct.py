@@ -13,6 +13,11 @@ from flowtree.cli.per_photo import parse_yaws, per_photo
 from flowtree.cli.progress import show_progress
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from flowtree.params import RenderParams
+    from flowtree.pipeline.reconstruct import Reconstruction
     from flowtree.project.project import Project
 
 _PER_PHOTO = "May be repeated: the k-th belongs to the k-th photo, or 1=FILE names the photo (from 0)."
@@ -56,7 +61,9 @@ def reconstruct(
     skeleton: Annotated[
         Path | None, typer.Option(help="The branches as lines: .swc, .csv, .ply or .json.")
     ] = None,
-    preview: Annotated[Path | None, typer.Option(help="A picture of the tree: .png or .jpg.")] = None,
+    preview: Annotated[
+        Path | None, typer.Option(help="A contact sheet of photos, mattes and tree: .png or .jpg.")
+    ] = None,
     report: Annotated[Path | None, typer.Option(help="What was measured: .json.")] = None,
     project: Annotated[
         Path | None,
@@ -98,15 +105,26 @@ def reconstruct(
         if skeleton is not None:
             export_skeleton(result.skeleton, skeleton)
         if preview is not None:
-            from flowtree.render.fit_camera import fit_camera
-            from flowtree.render.render_view import render_view
-
-            picture = work.params.render
-            camera = fit_camera(result.tree, 0.0, picture.size)
-            write_picture(render_view(result.tree, camera, params=picture), preview)
+            write_picture(draw_preview(result, work.params.render), preview)
         if report is not None:
             write_whole(report, report_bytes(result.report))
     print_result(result.report, output)
+
+
+def draw_preview(result: Reconstruction, params: RenderParams) -> NDArray[np.uint8]:
+    """The contact sheet of a reconstruction: (h, w, 3) uint8 sRGB."""
+    from flowtree.render.render_sheet import render_sheet
+
+    scores = [view["soft_iou"] for view in result.report["views"]]
+    return render_sheet(
+        result.photos,
+        result.mattes,
+        result.cameras,
+        result.graphs,
+        result.tree,
+        scores=scores,
+        params=params,
+    )
 
 
 def print_result(report: dict[str, Any], output: Path) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from PIL import Image
+
 import flowtree.cli.demo
 from flowtree.export.inspect_file import inspect_file
 
@@ -21,6 +23,9 @@ def test_the_demo_makes_a_good_tree_and_says_where(flowtree, tmp_path):
     assert min(view["soft_iou"] for view in report["views"]) > 0.7
     assert report["mesh"]["watertight"]
     assert report["leaves"] > 1000
+    with Image.open(folder / "preview.png") as sheet:
+        assert sheet.width == 1600
+        assert 1000 < sheet.height < 2000
     assert inspect_file(folder / "tree.glb")["triangles"] > report["mesh"]["triangles"]
 
 

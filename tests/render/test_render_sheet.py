@@ -37,24 +37,36 @@ def _view(yaw, width=70, height=90, box=None):
 
 
 @pytest.mark.parametrize("alpha", [None, 0.0, 1.0])
-def test_holds_a_row_for_each_view_and_one_of_free_views(alpha):
+def test_holds_a_row_for_each_view_and_a_free_view(alpha):
     views = [_view(0.0, box=alpha), _view(90.0, width=110)]
     photos, mattes, cameras = zip(*views, strict=True)
     small = RenderParams(size=96, samples=1)
     one = render_sheet(photos[:1], mattes[:1], cameras[:1], [None], hand_made_tree(20), params=small)
-    two = render_sheet(photos, mattes, cameras, [_GRAPH, None], hand_made_tree(20), params=small)
+    two = render_sheet(
+        photos, mattes, cameras, [_GRAPH, None], hand_made_tree(20), scores=[0.5, 1.0], params=small
+    )
     assert one.dtype == two.dtype == np.uint8
-    assert one.shape[2] == 3
+    assert one.shape[1:] == two.shape[1:] == (200, 3)
     assert two.shape[0] > one.shape[0]
-    assert 3 * 96 <= one.shape[1] <= 3 * 96 + 48
+
+
+def test_the_default_sheet_is_large_enough_to_read_and_small_enough_to_show():
+    photo, matte, camera = _view(0.0)
+    sheet = render_sheet(
+        [photo], [matte], [camera], [None], hand_made_tree(2), params=RenderParams(samples=1)
+    )
+    assert sheet.shape[1] == 1600
+    assert sheet.shape[0] < 1600
 
 
 def test_lists_that_do_not_fit_are_refused():
     photo, matte, camera = _view(0.0)
-    with pytest.raises(InputError, match="equally many"):
-        render_sheet([photo], [matte], [camera], [], hand_made_tree(2))
+    tree = hand_made_tree(2)
+    for graphs, scores in (([], None), ([None], []), ([None], [0.5, 0.5])):
+        with pytest.raises(InputError, match="equally many"):
+            render_sheet([photo], [matte], [camera], graphs, tree, scores=scores)
     with pytest.raises(InputError, match="matte of its size"):
-        render_sheet([photo], [_view(0.0, width=30)[1]], [camera], [None], hand_made_tree(2))
+        render_sheet([photo], [_view(0.0, width=30)[1]], [camera], [None], tree)
 
 
 @settings(max_examples=20, deadline=None)
