@@ -7,6 +7,7 @@ import signal
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from copy import copy
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
@@ -89,6 +90,11 @@ def upload(values: NDArray[Any], dtype: Any, device: str) -> Any:
     return wp.array(np.ascontiguousarray(values), dtype=dtype, device=device)
 
 
+def hand_over(values: NDArray[Any], dtype: Any, device: str) -> Any:
+    """The same of values that nobody else changes: on the CPU the array lies over their memory."""
+    return wp.array(values, dtype=dtype, device=device, copy=False)
+
+
 def empty(shape: int | tuple[int, ...], dtype: Any, device: str) -> Any:
     """An uninitialised device array."""
     return wp.empty(shape, dtype=dtype, device=device)
@@ -153,21 +159,27 @@ def launch_together(
     their threads would wait for each other for ever.
     """
     count = min(thread_count(threads), _MOST_TOGETHER)
-    wp.load_module(kernel.module, device="cpu")
-    arguments = [count, *inputs, *outputs]
+    # Packing the arguments takes as long as a thousand steps of a particle: once for all threads.
+    first: Any = wp.launch(
+        kernel, dim=1, inputs=[0, count, *inputs], outputs=outputs, device="cpu", record_cmd=True
+    )
     if count == 1:
-        wp.launch(kernel, dim=1, inputs=[0, *arguments], device="cpu")
+        first.launch()
         return
     # This thread is one of them: of two that are woken, both might begin on one core.
     with _TOGETHER, _uninterrupted():
-        team = _team(count - 1)
-        jobs = [
-            team.submit(wp.launch, kernel, dim=1, inputs=[rank, *arguments], device="cpu")
-            for rank in range(1, count)
-        ]
-        wp.launch(kernel, dim=1, inputs=[0, *arguments], device="cpu")
+        jobs = [_team(count - 1).submit(_as_rank(first, rank).launch) for rank in range(1, count)]
+        first.launch()
         for job in jobs:
             job.result()
+
+
+def _as_rank(launch: Any, rank: int) -> Any:
+    """The same launch with another first argument."""
+    other = copy(launch)
+    other.params = list(launch.params)
+    other.set_param_at_index(0, rank)
+    return other
 
 
 @contextmanager

@@ -6,8 +6,24 @@ from flowtree.kernels.advance_particles import FlowForces, TimeGrid, free_flow_t
 from flowtree.kernels.flow_fields import FlowFields, follow_route, turn_to_foot
 from flowtree.kernels.living_cells import LivingCells
 from flowtree.kernels.meet_others import Meeting, meet_limb, meet_pair
-from flowtree.kernels.nearest_in_block import BLOCK, NOT_NEGATIVE, Floats, Wholes
-from flowtree.kernels.swarm import MASS, RATE, Swarm, U, V, W, Y, Z, count_in_cell
+from flowtree.kernels.nearest_in_block import BLOCK, NOT_NEGATIVE, Floats, FourFloats, Wholes
+from flowtree.kernels.swarm import (
+    CELL,
+    END_STEP,
+    HOST,
+    MASS,
+    MOVED,
+    NEAREST,
+    RATE,
+    TAKEN,
+    Swarm,
+    U,
+    V,
+    W,
+    Y,
+    Z,
+    count_in_cell,
+)
 
 # Loops over the lanes of a block must stay loops: the compiler makes vector instructions of sixteen rounds.
 wp.set_module_options({"enable_backward": False, "max_unroll": 8})
@@ -16,6 +32,8 @@ wp.set_module_options({"enable_backward": False, "max_unroll": 8})
 @wp.func
 def advance_block(
     swarm: Swarm,
+    notes: wp.array[int],
+    particle: wp.array[int],
     cells: LivingCells,
     next_cells: LivingCells,
     fields: FlowFields,
@@ -73,14 +91,8 @@ def advance_block(
     across = Floats()
     along = Floats()
     at_cell = Wholes()
-    c0 = Floats()  # the vectors at the cell's corners
-    c1 = Floats()
-    c2 = Floats()
-    c3 = Floats()
-    c4 = Floats()
-    c5 = Floats()
-    c6 = Floats()
-    c7 = Floats()
+    lower = FourFloats()  # the vectors at the lower two corners of a field's cell: copied at once
+    upper = FourFloats()  # and at the upper two
     at_x = first & NOT_NEGATIVE
     wide = size & NOT_NEGATIVE
     for q in range(BLOCK):
@@ -98,15 +110,15 @@ def advance_block(
     lane = int(0)
     while lane < n:
         i = first + lane
-        nearest = swarm.nearest[i]
+        nearest = notes[NEAREST * size + i]
         j = wp.max(nearest, 0) & NOT_NEGATIVE
         qx[lane] = listed[j]
         qy[lane] = listed[Y * wide + j]
         qz[lane] = listed[Z * wide + j]
         pull[lane] = wp.where(nearest >= 0, forces.attraction, 0.0)
-        meets[lane] = wp.where(nearest >= 0 and swarm.nearest[j] == i, 1, 0)
+        meets[lane] = wp.where(nearest >= 0 and notes[NEAREST * size + j] == i, 1, 0)
         if forces.limbs == 1:
-            meets[lane] = wp.where(swarm.host[i] >= 0 or swarm.taken[i] == 1, 1, 0)
+            meets[lane] = wp.where(notes[HOST * size + i] >= 0 or notes[TAKEN * size + i] == 1, 1, 0)
         lane += 1
     if forces.limbs == 0:
         threshold = forces.reach * forces.reach
@@ -121,9 +133,9 @@ def advance_block(
             i = first + lane
             met = Meeting()
             if forces.limbs == 1:
-                met = meet_limb(swarm, cells, forces, listed, size, base, number, i)
+                met = meet_limb(swarm, notes, particle, cells, forces, listed, size, base, number, i)
             else:
-                met = meet_pair(swarm, listed, size, base, number, i)
+                met = meet_pair(notes, particle, listed, size, base, number, i)
             alive[lane] = met.alive
             if met.grown == 1:
                 px[lane] = met.place[0]
@@ -192,20 +204,21 @@ def advance_block(
                 g1 = flat[k + 1]
                 g2 = flat[k + columns]
                 g3 = flat[k + columns + 1]
-                c0[lane] = g0[0]
-                c1[lane] = g0[1]
-                c2[lane] = g1[0]
-                c3[lane] = g1[1]
-                c4[lane] = g2[0]
-                c5[lane] = g2[1]
-                c6[lane] = g3[0]
-                c7[lane] = g3[1]
+                at = (4 * lane) & NOT_NEGATIVE
+                lower[at] = g0[0]
+                lower[at + 1] = g0[1]
+                lower[at + 2] = g1[0]
+                lower[at + 3] = g1[1]
+                upper[at] = g2[0]
+                upper[at + 1] = g2[1]
+                upper[at + 2] = g3[0]
+                upper[at + 3] = g3[1]
                 lane += 1
             for q in range(BLOCK):
-                low_u = c0[q] + (c2[q] - c0[q]) * across[q]
-                low_v = c1[q] + (c3[q] - c1[q]) * across[q]
-                high_u = c4[q] + (c6[q] - c4[q]) * across[q]
-                high_v = c5[q] + (c7[q] - c5[q]) * across[q]
+                low_u = lower[4 * q] + (lower[4 * q + 2] - lower[4 * q]) * across[q]
+                low_v = lower[4 * q + 1] + (lower[4 * q + 3] - lower[4 * q + 1]) * across[q]
+                high_u = upper[4 * q] + (upper[4 * q + 2] - upper[4 * q]) * across[q]
+                high_v = upper[4 * q + 1] + (upper[4 * q + 3] - upper[4 * q + 1]) * across[q]
                 vector_u = low_u + (high_u - low_u) * along[q]
                 vector_v = low_v + (high_v - low_v) * along[q]
                 ox[q] += right[0] * vector_u
@@ -296,13 +309,13 @@ def advance_block(
     lane = int(0)
     while lane < n:
         i = first + lane
-        me = swarm.particle[base + i]
+        me = particle[base + i]
         if meets[lane] == 1:
             alive[lane] = 0
-            swarm.moved[i] = -1
-            swarm.end_step[me] = number
-        swarm.number[i] = me
-        swarm.cell[i] = -1
+            notes[MOVED * size + i] = -1
+            notes[END_STEP * size + me] = number
+        notes[i] = me
+        notes[CELL * size + i] = -1
         if alive[lane] == 1:
-            count_in_cell(swarm, left, size, next_cells, rank, i)
+            count_in_cell(swarm, notes, left, size, next_cells, rank, i)
         lane += 1

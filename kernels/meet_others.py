@@ -4,7 +4,20 @@ import warp as wp
 
 from flowtree.kernels.advance_particles import FlowForces
 from flowtree.kernels.living_cells import LivingCells, cells_around
-from flowtree.kernels.swarm import MASS, Swarm, Y, Z, place_of, velocity_of
+from flowtree.kernels.swarm import (
+    END_STEP,
+    HOST,
+    JOINED,
+    MASS,
+    MOVED,
+    NEAREST,
+    TAKEN,
+    Swarm,
+    Y,
+    Z,
+    place_of,
+    velocity_of,
+)
 
 wp.set_module_options({"enable_backward": False})
 
@@ -23,6 +36,7 @@ class Meeting:
 @wp.func
 def find_host(
     swarm: Swarm,
+    particle: wp.array[int],
     cells: LivingCells,
     forces: FlowForces,
     listed: wp.array[float],
@@ -33,7 +47,7 @@ def find_host(
 ):
     """The heavier particle (of equals the one of lower number) whose threshold i has gone past farthest."""
     mass = listed[MASS * size + i]
-    number = swarm.particle[base + i]
+    number = particle[base + i]
     far = 1.00001 * wp.min(
         forces.reach + forces.growth * (wp.sqrt(mass + heaviest) - 1.0),
         wp.max(forces.attraction_radius, forces.reach),
@@ -55,13 +69,12 @@ def find_host(
                 square = dx * dx + dy * dy + dz * dz
                 if square <= far * far and k != i:
                     other = listed[MASS * size + k]
-                    if other > mass or (other == mass and swarm.particle[base + k] < number):
+                    if other > mass or (other == mass and particle[base + k] < number):
                         threshold = forces.reach + forces.growth * (wp.sqrt(mass + other) - 1.0)
                         threshold = wp.min(threshold, wp.max(forces.attraction_radius, forces.reach))
                         depth = square / (threshold * threshold)
                         if depth < deepest or (
-                            depth == deepest
-                            and (host < 0 or swarm.particle[base + k] < swarm.particle[base + host])
+                            depth == deepest and (host < 0 or particle[base + k] < particle[base + host])
                         ):
                             deepest = depth
                             host = k
@@ -85,7 +98,8 @@ def unmet(listed: wp.array[float], size: int, i: int):
 
 @wp.func
 def meet_pair(
-    swarm: Swarm,
+    notes: wp.array[int],
+    particle: wp.array[int],
     listed: wp.array[float],
     size: int,
     base: int,
@@ -94,14 +108,14 @@ def meet_pair(
 ):
     """The paper's rule: two that are each other's nearest, and nearer than the threshold, become one."""
     met = unmet(listed, size, i)
-    j = swarm.nearest[i]
-    me = swarm.particle[base + i]
+    j = notes[NEAREST * size + i]
+    me = particle[base + i]
     other = listed[MASS * size + j]
-    if other > met.mass or (other == met.mass and swarm.particle[base + j] < me):
+    if other > met.mass or (other == met.mass and particle[base + j] < me):
         met.alive = 0
-        swarm.moved[i] = -2 - j
-        swarm.joined[me] = swarm.particle[base + j]
-        swarm.end_step[me] = number
+        notes[MOVED * size + i] = -2 - j
+        notes[JOINED * size + me] = particle[base + j]
+        notes[END_STEP * size + me] = number
     else:
         total = met.mass + other
         met.place = (met.place * met.mass + place_of(listed, size, j) * other) / total
@@ -114,6 +128,8 @@ def meet_pair(
 @wp.func
 def meet_limb(
     swarm: Swarm,
+    notes: wp.array[int],
+    particle: wp.array[int],
     cells: LivingCells,
     forces: FlowForces,
     listed: wp.array[float],
@@ -124,15 +140,15 @@ def meet_limb(
 ):
     """A limb takes in at once all that have it for their host, unless it goes over to another itself."""
     met = unmet(listed, size, i)
-    met.grown = swarm.taken[i]
-    host = swarm.host[i]
+    met.grown = notes[TAKEN * size + i]
+    host = notes[HOST * size + i]
     if host >= 0:
-        if swarm.host[host] < 0:
-            me = swarm.particle[base + i]
+        if notes[HOST * size + host] < 0:
+            me = particle[base + i]
             met.alive = 0
-            swarm.moved[i] = -2 - host
-            swarm.joined[me] = swarm.particle[base + host]
-            swarm.end_step[me] = number
+            notes[MOVED * size + i] = -2 - host
+            notes[JOINED * size + me] = particle[base + host]
+            notes[END_STEP * size + me] = number
     if met.grown == 1:
         # No guest is heavier than its host, so none is farther away than this.
         far = 1.00001 * (forces.reach + forces.growth * (wp.sqrt(2.0 * met.mass) - 1.0))
@@ -148,7 +164,7 @@ def meet_limb(
                 k = swarm.first[row + around.left]
                 stop = swarm.first[row + around.right + 1]
                 while k < stop:
-                    if swarm.host[k] == i:
+                    if notes[HOST * size + k] == i:
                         other = listed[MASS * size + k]
                         total += other
                         moment += other * place_of(listed, size, k)

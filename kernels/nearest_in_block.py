@@ -3,7 +3,7 @@
 import warp as wp
 
 from flowtree.kernels.living_cells import LivingCells, cells_around
-from flowtree.kernels.swarm import Y, Z
+from flowtree.kernels.swarm import BEFORE, MOVED, NEAREST, Y, Z
 
 # Loops over the lanes of a block must stay loops: the compiler makes vector instructions of sixteen rounds.
 wp.set_module_options({"enable_backward": False, "max_unroll": 8})
@@ -12,10 +12,10 @@ BLOCK = wp.constant(64)  # particles whose neighbours are looked for together
 LANES = wp.constant(16)  # places compared at once
 # Warp takes a negative index from the end: told that there is none, the compiler loads sixteen at once.
 NOT_NEGATIVE = wp.constant(0x7FFFFFFF)
-ITEMS = wp.constant(512)  # stretches of the list that a block may ask to be compared
 Floats = wp.types.vector(length=64, dtype=float)
 Wholes = wp.types.vector(length=64, dtype=int)
-Items = wp.types.vector(length=512, dtype=int)
+FourFloats = wp.types.vector(length=256, dtype=float)  # four of each
+FourWholes = wp.types.vector(length=256, dtype=int)
 
 
 @wp.func
@@ -32,20 +32,15 @@ def guess_nearest(
     listed: wp.array[float],
     size: int,
     count: int,
-    before: wp.array[int],
-    moved: wp.array[int],
+    notes: wp.array[int],
     i: int,
 ):
-    """Somebody near, to bound the search: the nearest of the last step, else one beside in the list.
-
-    before: the nearest, as places in the last step's list.
-    moved: where those places have gone to in this one; -1 for who has arrived, -2 - p for who joined p.
-    """
-    near = before[i]
+    """Somebody near, to bound the search: the nearest of the last step, else one beside in the list."""
+    near = notes[BEFORE * size + i]
     if near >= 0:
-        near = moved[near]
+        near = notes[MOVED * size + near]
         if near < -1:
-            near = moved[-2 - near]
+            near = notes[MOVED * size - 2 - near]
     if near < 0 or near == i:
         near = wp.where(i > 0, i - 1, i + 1)
         if i > 0 and i + 1 < count:
@@ -95,20 +90,18 @@ def find_nearest_in_block(
     listed: wp.array[float],
     size: int,
     count: int,
-    before: wp.array[int],
-    moved: wp.array[int],
     radius: float,
     first: int,
     last: int,
-    nearest_out: wp.array[int],
+    notes_out: wp.array[int],
 ):
     """The nearest within the radius, as a place in the sorted list or -1, from ``first`` to before ``last``.
 
     Exact: a particle's nearest of the last step bounds the search, wherever that one is now, so the reach
     follows the local density. Step by step for at most `BLOCK` particles at once, so that no step has to
-    guess how another one branches: the bounds; the rows of cells that each ball touches, cut into stretches
-    of the list; how many are nearer than the bound in each stretch, sixteen places at once (most hold none);
-    the few stretches that hold one.
+    guess how another one branches: the bounds; how many are nearer than them in the first sixteen places of
+    the four rows of cells that a ball touches (most hold none; places beyond a row's end are compared for
+    nothing); the few rows that hold one; and the few balls that touch more, one cell after the other.
     """
     px = Floats()
     py = Floats()
@@ -122,9 +115,8 @@ def find_nearest_in_block(
     back = Wholes()
     front = Wholes()
     slow = Wholes()
-    item_k = Items()
-    item_lane = Items()
-    hit = Items()
+    hit_lane = FourWholes()
+    hit_k = FourWholes()
     n = last - first
     lane = int(0)
     while lane < n:
@@ -132,7 +124,7 @@ def find_nearest_in_block(
         px[lane] = listed[i]
         py[lane] = listed[Y * size + i]
         pz[lane] = listed[Z * size + i]
-        guess = guess_nearest(listed, size, count, before, moved, i)
+        guess = guess_nearest(listed, size, count, notes_out, i)
         square = radius * radius
         if guess >= 0:
             distance = square_between(listed, size, i, guess)
@@ -154,70 +146,81 @@ def find_nearest_in_block(
         high[q] = int(wp.min(wp.max((py[q] + reach - corner[1]) * per[1], 0.0), last_y))
         back[q] = int(wp.min(wp.max((pz[q] - reach - corner[2]) * per[2], 0.0), last_z))
         front[q] = int(wp.min(wp.max((pz[q] + reach - corner[2]) * per[2], 0.0), last_z))
-    items = int(0)
     slows = int(0)
+    hits = int(0)
+    row_y = (Y * size) & NOT_NEGATIVE
+    row_z = (Z * size) & NOT_NEGATIVE
     lane = int(0)
     while lane < n:
         tall = high[lane] - low[lane]
         deep = front[lane] - back[lane]
-        fits = tall <= 1 and deep <= 1 and items <= ITEMS - 20
-        if fits:
-            was = items
-            part = int(0)
-            while part < 4:
-                dy = part & 1
-                dz = part >> 1
-                row = grid.nx * (
-                    wp.min(low[lane] + dy, high[lane]) + grid.ny * wp.min(back[lane] + dz, front[lane])
-                )
-                k = begin[(row + left[lane]) & NOT_NEGATIVE]
-                stop = begin[(row + right[lane] + 1) & NOT_NEGATIVE]
-                stop = wp.where(dy <= tall and dz <= deep, stop, k)
-                item_k[items] = k
-                item_lane[items] = lane
-                items += wp.where(stop > k, 1, 0)
-                k += LANES
-                if k < stop:
-                    if stop - k > 4 * LANES:
-                        fits = bool(False)
-                        stop = k
-                    while k < stop:
-                        item_k[items] = k
-                        item_lane[items] = lane
-                        items += 1
-                        k += LANES
-                part += 1
-            items = wp.where(fits, items, was)
-        slow[slows] = lane
-        slows += wp.where(fits, 0, 1)
-        lane += 1
-    row_y = (Y * size) & NOT_NEGATIVE
-    row_z = (Z * size) & NOT_NEGATIVE
-    hits = int(0)
-    w = int(0)
-    while w < items:
-        k = item_k[w] & NOT_NEGATIVE
-        q = item_lane[w]
-        ax = px[q]
-        ay = py[q]
-        az = pz[q]
-        limit = best[q]
+        row = grid.nx * (low[lane] + grid.ny * back[lane])
+        row_up = row + wp.where(tall > 0, grid.nx, 0)
+        behind = wp.where(deep > 0, grid.nx * grid.ny, 0)
+        begins = left[lane]
+        ends = right[lane] + 1
+        k0 = begin[(row + begins) & NOT_NEGATIVE] & NOT_NEGATIVE
+        k1 = begin[(row_up + begins) & NOT_NEGATIVE] & NOT_NEGATIVE
+        k2 = begin[(row + behind + begins) & NOT_NEGATIVE] & NOT_NEGATIVE
+        k3 = begin[(row_up + behind + begins) & NOT_NEGATIVE] & NOT_NEGATIVE
+        e0 = begin[(row + ends) & NOT_NEGATIVE] - LANES
+        e1 = begin[(row_up + ends) & NOT_NEGATIVE] - LANES
+        e2 = begin[(row + behind + ends) & NOT_NEGATIVE] - LANES
+        e3 = begin[(row_up + behind + ends) & NOT_NEGATIVE] - LANES
+        ax = px[lane]
+        ay = py[lane]
+        az = pz[lane]
+        limit = best[lane]
         nearer = int(0)
         for s in range(LANES):
-            dx = listed[k + s] - ax
-            dy_ = listed[row_y + k + s] - ay
-            dz_ = listed[row_z + k + s] - az
-            nearer += wp.where(dx * dx + dy_ * dy_ + dz_ * dz_ < limit, 1, 0)
-        own = first + q - k
-        nearer -= wp.where(own >= 0 and own < LANES, 1, 0)
-        hit[hits] = w
-        hits += wp.where(nearer > 0, 1, 0)
-        w += 1
+            x0 = listed[k0 + s] - ax
+            y0 = listed[row_y + k0 + s] - ay
+            z0 = listed[row_z + k0 + s] - az
+            x1 = listed[k1 + s] - ax
+            y1 = listed[row_y + k1 + s] - ay
+            z1 = listed[row_z + k1 + s] - az
+            x2 = listed[k2 + s] - ax
+            y2 = listed[row_y + k2 + s] - ay
+            z2 = listed[row_z + k2 + s] - az
+            x3 = listed[k3 + s] - ax
+            y3 = listed[row_y + k3 + s] - ay
+            z3 = listed[row_z + k3 + s] - az
+            # A count for each row, eight bits apart.
+            nearer += (
+                wp.where(x0 * x0 + y0 * y0 + z0 * z0 < limit, 1, 0)
+                + wp.where(x1 * x1 + y1 * y1 + z1 * z1 < limit, 256, 0)
+                + wp.where(x2 * x2 + y2 * y2 + z2 * z2 < limit, 65536, 0)
+                + wp.where(x3 * x3 + y3 * y3 + z3 * z3 < limit, 16777216, 0)
+            )
+        i = first + lane
+        # Everybody is nearest to himself.
+        nearer -= (
+            wp.where(i >= k0 and i < k0 + LANES, 1, 0)
+            + wp.where(i >= k1 and i < k1 + LANES, 256, 0)
+            + wp.where(i >= k2 and i < k2 + LANES, 65536, 0)
+            + wp.where(i >= k3 and i < k3 + LANES, 16777216, 0)
+        )
+        if nearer != 0:
+            hit_k[hits] = k0
+            hit_lane[hits] = lane
+            hits += wp.where((nearer & 255) != 0, 1, 0)
+            hit_k[hits] = k1
+            hit_lane[hits] = lane
+            hits += wp.where((nearer & 65280) != 0 and tall > 0, 1, 0)
+            hit_k[hits] = k2
+            hit_lane[hits] = lane
+            hits += wp.where((nearer & 16711680) != 0 and deep > 0, 1, 0)
+            hit_k[hits] = k3
+            hit_lane[hits] = lane
+            hits += wp.where(nearer >= 16777216 and tall > 0 and deep > 0, 1, 0)
+        slow[slows] = lane
+        if tall > 1 or deep > 1 or e0 > k0 or e1 > k1 or e2 > k2 or e3 > k3:
+            slows += 1
+        lane += 1
     w = int(0)
     while w < hits:
-        item = hit[w]
-        q = item_lane[item]
-        k = item_k[item]
+        q = hit_lane[w]
+        k = hit_k[w]
         stop = wp.min(k + LANES, count)
         i = first + q
         while k < stop:
@@ -235,5 +238,5 @@ def find_nearest_in_block(
         w += 1
     lane = int(0)
     while lane < n:
-        nearest_out[first + lane] = near[lane]
+        notes_out[NEAREST * size + first + lane] = near[lane]
         lane += 1

@@ -9,24 +9,38 @@ from flowtree.kernels.living_cells import fit_cells, share_of
 from flowtree.kernels.meet_others import find_host
 from flowtree.kernels.nearest_in_block import BLOCK, LANES, find_nearest_in_block
 from flowtree.kernels.swarm import (
+    CELL,
+    COUNT,
+    COUNTED,
+    DONE,
+    FITTED,
+    GONE,
+    HEAVIEST,
+    HOST,
     KINDS,
     NOBODY,
+    NUMBER_OF_STEPS,
+    SPAN,
+    TAKEN,
     Swarm,
     Y,
     Z,
     count_in_cell,
     count_range,
+    highest_of,
+    lowest_of,
     number_range,
     place_of,
     set_off,
     sort_range,
+    tell_box,
 )
 from flowtree.kernels.wait_for_all import wait_for_all
 
 # Loops over the lanes of a block must stay loops: the compiler makes vector instructions of sixteen rounds.
 wp.set_module_options({"enable_backward": False, "max_unroll": 8})
 
-ALONE = wp.constant(160)  # living particles below which threads cost more than they save
+ALONE = wp.constant(65)  # living particles below which threads cost more than they save
 
 
 @wp.kernel
@@ -36,7 +50,6 @@ def run_flow(
     ranks: int,
     steps: int,  # at which to stop at the latest
     capacity: int,  # of the record: stops where another step might not fit
-    most_cells: int,
     start: wp.array[wp.vec3],  # [m]
     order: wp.array[int],  # particles in the order in which they set off
     off: wp.array[int],  # (steps + 1,), how many have set off at each step's beginning
@@ -49,6 +62,9 @@ def run_flow(
     # out:
     left_out: wp.array[float],  # (KINDS, size), the particles as the last step left them
     listed_out: wp.array[float],  # (KINDS, size), sorted by cell; size is BLOCK more than there are particles
+    notes_out: wp.array[int],  # (NOTES, size), see `swarm`
+    points_out: wp.array[wp.vec3],  # (capacity,) [m], the record: step after step, sorted by cell
+    particle_out: wp.array[int],  # (capacity,), whose place it is
     swarm_out: Swarm,
 ):
     """Steps on from where ``swarm_out`` stands until nobody is under way, and keeps every step.
@@ -61,10 +77,11 @@ def run_flow(
     rank = first + wp.tid()
     threads = int(ranks)
     size = listed_out.shape[0] // KINDS
+    most_cells = swarm_out.held.shape[1]
     turn = int(0)
-    count = swarm_out.progress[0]
-    number = swarm_out.progress[1]
-    gone = swarm_out.progress[2]
+    count = swarm_out.tally[COUNT]
+    number = swarm_out.tally[NUMBER_OF_STEPS]
+    gone = swarm_out.tally[GONE]
     base = int(0)
     single = response_rate(forces, 1.0, step)
     lowest = wp.vec3(NOBODY, NOBODY, NOBODY)
@@ -73,12 +90,12 @@ def run_flow(
     high = share_of(count, rank + 1, threads)
     i = int(low)
     while i < high:
-        if swarm_out.cell[i] >= 0:
+        if notes_out[CELL * size + i] >= 0:
             lowest = wp.min(lowest, place_of(left_out, size, i))
             highest = wp.max(highest, place_of(left_out, size, i))
         i += 1
     if rank == threads - 1:
-        set_off(swarm_out, left_out, size, start, order, gone, off[number], single, count)
+        set_off(notes_out, left_out, size, start, order, gone, off[number], single, count)
         i = int(count)
         while i < count + off[number] - gone:
             lowest = wp.min(lowest, place_of(left_out, size, i))
@@ -87,20 +104,21 @@ def run_flow(
         high = count + off[number] - gone
     count += off[number] - gone
     gone = off[number]
-    swarm_out.lowest[rank] = lowest
-    swarm_out.highest[rank] = highest
+    tell_box(swarm_out, rank, lowest, highest)
     turn += threads
     wait_for_all(swarm_out.arrived, turn)
     for r in range(threads):
-        lowest = wp.min(lowest, swarm_out.lowest[r])
-        highest = wp.max(highest, swarm_out.highest[r])
+        lowest = wp.min(lowest, lowest_of(swarm_out, r))
+        highest = wp.max(highest, highest_of(swarm_out, r))
     cells = fit_cells(lowest, highest, count, most_cells)
     if number > 0:
-        cells = fit_cells(swarm_out.box[0], swarm_out.box[1], swarm_out.progress[4], most_cells)
+        cells = fit_cells(
+            lowest_of(swarm_out, ranks), highest_of(swarm_out, ranks), swarm_out.tally[FITTED], most_cells
+        )
     i = int(low)
     while i < high:
-        if swarm_out.cell[i] >= 0:
-            count_in_cell(swarm_out, left_out, size, cells, rank, i)
+        if notes_out[CELL * size + i] >= 0:
+            count_in_cell(swarm_out, notes_out, left_out, size, cells, rank, i)
         i += 1
     turn += threads
     wait_for_all(swarm_out.arrived, turn)
@@ -113,20 +131,32 @@ def run_flow(
         total = cells.nx * cells.ny * cells.nz
         low_cell = share_of(total, rank, threads)
         high_cell = share_of(total, rank + 1, threads)
-        swarm_out.counted[rank] = count_range(swarm_out, low_cell, high_cell, threads)
+        swarm_out.tally[COUNTED + rank] = count_range(swarm_out, low_cell, high_cell, threads)
         turn += threads
         wait_for_all(swarm_out.arrived, turn)
         before = int(0)
         living = int(0)
         for r in range(threads):
-            before += wp.where(r < rank, swarm_out.counted[r], 0)
-            living += swarm_out.counted[r]
+            before += wp.where(r < rank, swarm_out.tally[COUNTED + r], 0)
+            living += swarm_out.tally[COUNTED + r]
         number_range(swarm_out, low_cell, high_cell, before, threads)
         if rank == 0:
             swarm_out.first[total] = living
         turn += threads
         wait_for_all(swarm_out.arrived, turn)
-        sort_range(swarm_out, left_out, listed_out, size, rank, low, high, base)
+        sort_range(
+            swarm_out,
+            left_out,
+            listed_out,
+            notes_out,
+            points_out,
+            particle_out,
+            size,
+            rank,
+            low,
+            high,
+            base,
+        )
         if rank == 0:
             lane = int(0)
             while lane < LANES:
@@ -144,9 +174,9 @@ def run_flow(
         highest = -lowest
         heaviest = float(1.0)
         for r in range(threads):
-            lowest = wp.min(lowest, swarm_out.lowest[r])
-            highest = wp.max(highest, swarm_out.highest[r])
-            heaviest = wp.max(heaviest, swarm_out.heaviest[r])
+            lowest = wp.min(lowest, lowest_of(swarm_out, r))
+            highest = wp.max(highest, highest_of(swarm_out, r))
+            heaviest = wp.max(heaviest, swarm_out.span[SPAN * r + HEAVIEST])
         c = int(0)
         while c < total:
             swarm_out.held[rank, c] = 0
@@ -159,27 +189,27 @@ def run_flow(
                 listed_out,
                 size,
                 count,
-                swarm_out.before,
-                swarm_out.moved,
                 wp.max(forces.attraction_radius, forces.reach),
                 block,
                 wp.min(block + BLOCK, high),
-                swarm_out.nearest,
+                notes_out,
             )
             block += BLOCK
         if forces.limbs == 1:
             i = int(low)
             while i < high:
-                swarm_out.host[i] = find_host(swarm_out, cells, forces, listed_out, size, base, heaviest, i)
+                notes_out[HOST * size + i] = find_host(
+                    swarm_out, particle_out, cells, forces, listed_out, size, base, heaviest, i
+                )
                 i += 1
             turn += threads
             wait_for_all(swarm_out.arrived, turn)
             i = int(low)
             while i < high:
-                host = swarm_out.host[i]
+                host = notes_out[HOST * size + i]
                 if host >= 0:
-                    if swarm_out.host[host] < 0:
-                        swarm_out.taken[host] = 1  # whoever writes it writes the same
+                    if notes_out[HOST * size + host] < 0:
+                        notes_out[TAKEN * size + host] = 1  # whoever writes it writes the same
                 i += 1
         turn += threads
         wait_for_all(swarm_out.arrived, turn)
@@ -191,6 +221,8 @@ def run_flow(
         while block < high:
             advance_block(
                 swarm_out,
+                notes_out,
+                particle_out,
                 cells,
                 next_cells,
                 fields,
@@ -214,10 +246,10 @@ def run_flow(
         number += 1
         new = off[number] - gone
         if rank == threads - 1:
-            set_off(swarm_out, left_out, size, start, order, gone, gone + new, single, count)
+            set_off(notes_out, left_out, size, start, order, gone, gone + new, single, count)
             i = int(count)
             while i < count + new:
-                count_in_cell(swarm_out, left_out, size, cells, rank, i)
+                count_in_cell(swarm_out, notes_out, left_out, size, cells, rank, i)
                 i += 1
             high = count + new
         gone += new
@@ -237,8 +269,8 @@ def run_flow(
             high = wp.where(rank == 0, count, 0)
             i = int(0)
             while i < high:
-                if swarm_out.cell[i] >= 0:
-                    count_in_cell(swarm_out, left_out, size, cells, 0, i)
+                if notes_out[CELL * size + i] >= 0:
+                    count_in_cell(swarm_out, notes_out, left_out, size, cells, 0, i)
                 i += 1
         done = wp.where(living > 0 or new > 0 or more, 0, 1)
         going = done == 0 and number < steps and base + count <= capacity and rank < threads
@@ -248,10 +280,9 @@ def run_flow(
         swarm_out.held[rank, c] = 0
         c += 1
     if rank == 0:
-        swarm_out.progress[0] = count
-        swarm_out.progress[1] = number
-        swarm_out.progress[2] = gone
-        swarm_out.progress[3] = done
-        swarm_out.progress[4] = fitted
-        swarm_out.box[0] = lowest - room
-        swarm_out.box[1] = highest + room
+        swarm_out.tally[COUNT] = count
+        swarm_out.tally[NUMBER_OF_STEPS] = number
+        swarm_out.tally[GONE] = gone
+        swarm_out.tally[DONE] = done
+        swarm_out.tally[FITTED] = fitted
+        tell_box(swarm_out, ranks, lowest - room, highest + room)

@@ -21,48 +21,77 @@ RATE = wp.constant(7)  # 1 over the time in which it takes a new direction
 KINDS = wp.constant(8)
 
 
+# What is known of each particle in whole numbers, likewise one after the other.
+# As the last step left them:
+NUMBER = wp.constant(0)  # of the particle
+CELL = wp.constant(1)  # -1 for who is under way no more
+NEAREST = wp.constant(2)  # the nearest neighbour, as a place in the sorted list
+# Where its place in the sorted list has gone to in the next one; -1 for who has arrived, -2 - p for who
+# joined the one at place p.
+MOVED = wp.constant(3)
+# Sorted by cell:
+BEFORE = wp.constant(4)  # the nearest as it was, as a place in the last step's list
+HOST = wp.constant(5)  # whom it may join
+TAKEN = wp.constant(6)  # 1 where somebody joins it
+# By number:
+JOINED = wp.constant(7)  # whom it joined; -1 for nobody
+END_STEP = wp.constant(8)  # the last step that it is recorded in; -1 while it is under way
+NOTES = wp.constant(9)
+
+# What the threads tell each other in whole numbers, and from launch to launch.
+COUNT = wp.constant(0)  # particles in the lists
+NUMBER_OF_STEPS = wp.constant(1)
+GONE = wp.constant(2)  # particles that have set off
+DONE = wp.constant(3)  # 1 when nobody is under way any more
+FITTED = wp.constant(4)  # particles that the cells were last fitted to
+COUNTED = wp.constant(5)  # and on: how many each thread has in its cells
+# And of lengths: seven a thread, and six for what the cells were last fitted to.
+LOWEST = wp.constant(0)  # corner of a box, and the next two
+HIGHEST = wp.constant(3)
+HEAVIEST = wp.constant(6)  # a mass
+SPAN = wp.constant(7)
+
+
 @wp.struct
 class Swarm:
-    """The particles under way: as the last step left them, sorted by cell, and what is written down of them.
+    """What all threads of a flow share: its cells, where the record's steps begin, and what they tell.
 
-    As the last step left them (n,):
-        number: of the particle.
-        cell: -1 for who is under way no more.
-        nearest: the nearest neighbour, as a place in the sorted list.
-        moved: where its place in the sorted list has gone to in the next one; -1 for who has arrived, -2 - p
-            for who joined the one at place p.
-    Sorted (n,): before (the nearest as it was), host (whom it may join), taken (1 where somebody joins it).
-    Record (capacity,): points [m] and particle, step after step, sorted by cell; begin: where a step begins.
-    By number (n,): joined, end_step.
-    Cells: first (cells + 1,), where a cell begins in the sorted list; held (ranks, cells), particles counted
-        by each thread.
-    By thread (ranks,): counted; lowest and highest, corners of a box; heaviest, a mass.
-    progress (5,): particles in the arrays above, steps taken, particles that have set off, 1 when all is
-        done, particles that the cells were last fitted to; box (2,): corners of what they were fitted to.
+    first: (cells + 1,), where a cell begins in the sorted list.
+    held: (ranks, cells), particles counted by each thread.
+    begin: (steps + 1,), where a step begins in the record.
+    tally: (COUNTED + ranks,) see there.
+    span: ((ranks + 1) * SPAN,) a row a thread, the last for the box of the cells.
     arrived: see `wait_for_all`.
     """
 
-    number: wp.array[int]
-    cell: wp.array[int]
-    nearest: wp.array[int]
-    moved: wp.array[int]
-    before: wp.array[int]
-    host: wp.array[int]
-    taken: wp.array[int]
-    points: wp.array[wp.vec3]
-    particle: wp.array[int]
-    begin: wp.array[int]
-    joined: wp.array[int]
-    end_step: wp.array[int]
     first: wp.array[int]
     held: wp.array2d[int]
-    counted: wp.array[int]
-    lowest: wp.array[wp.vec3]
-    highest: wp.array[wp.vec3]
-    heaviest: wp.array[float]
-    progress: wp.array[int]
-    box: wp.array[wp.vec3]
+    begin: wp.array[int]
+    tally: wp.array[int]
+    span: wp.array[float]
     arrived: wp.array[int]
+
+
+@wp.func
+def lowest_of(swarm: Swarm, rank: int):
+    """The lower corner of what a thread has seen [m]."""
+    k = SPAN * rank + LOWEST
+    return wp.vec3(swarm.span[k], swarm.span[k + 1], swarm.span[k + 2])
+
+
+@wp.func
+def highest_of(swarm: Swarm, rank: int):
+    """The upper corner of what a thread has seen [m]."""
+    k = SPAN * rank + HIGHEST
+    return wp.vec3(swarm.span[k], swarm.span[k + 1], swarm.span[k + 2])
+
+
+@wp.func
+def tell_box(swarm: Swarm, rank: int, lowest: wp.vec3, highest: wp.vec3):
+    """Writes down the corners of what a thread has seen [m]."""
+    for axis in range(3):
+        swarm.span[SPAN * rank + LOWEST + axis] = lowest[axis]
+        swarm.span[SPAN * rank + HIGHEST + axis] = highest[axis]
 
 
 @wp.func
@@ -79,7 +108,7 @@ def velocity_of(left: wp.array[float], size: int, i: int):
 
 @wp.func
 def set_off(
-    swarm: Swarm,
+    notes: wp.array[int],
     left: wp.array[float],
     size: int,
     start: wp.array[wp.vec3],
@@ -102,17 +131,25 @@ def set_off(
         left[W * size + i] = float(0.0)
         left[MASS * size + i] = float(1.0)
         left[RATE * size + i] = rate
-        swarm.number[i] = order[k]
-        swarm.nearest[i] = -1
-        swarm.cell[i] = 0
+        notes[i] = order[k]
+        notes[NEAREST * size + i] = -1
+        notes[CELL * size + i] = 0
         k += 1
 
 
 @wp.func
-def count_in_cell(swarm: Swarm, left: wp.array[float], size: int, cells: LivingCells, rank: int, i: int):
+def count_in_cell(
+    swarm: Swarm,
+    notes: wp.array[int],
+    left: wp.array[float],
+    size: int,
+    cells: LivingCells,
+    rank: int,
+    i: int,
+):
     """Notes the cell of particle i and counts it there."""
     cell = cell_of(cells, place_of(left, size, i))
-    swarm.cell[i] = cell
+    notes[CELL * size + i] = cell
     swarm.held[rank, cell] = swarm.held[rank, cell] + 1
 
 
@@ -147,6 +184,9 @@ def sort_range(
     swarm: Swarm,
     left: wp.array[float],
     listed: wp.array[float],
+    notes: wp.array[int],
+    points: wp.array[wp.vec3],
+    particle: wp.array[int],
     size: int,
     rank: int,
     low: int,
@@ -162,13 +202,13 @@ def sort_range(
     heaviest = float(1.0)
     i = int(low)
     while i < high:
-        cell = swarm.cell[i]
+        cell = notes[CELL * size + i]
         if cell >= 0:
             k = swarm.held[rank, cell]
             swarm.held[rank, cell] = k + 1
             at = place_of(left, size, i)
-            swarm.points[base + k] = at
-            swarm.particle[base + k] = swarm.number[i]
+            points[base + k] = at
+            particle[base + k] = notes[i]
             lowest = wp.min(lowest, at)
             highest = wp.max(highest, at)
             listed[k] = at[0]
@@ -181,10 +221,9 @@ def sort_range(
             listed[MASS * size + k] = mass
             heaviest = wp.max(heaviest, mass)
             listed[RATE * size + k] = left[RATE * size + i]
-            swarm.before[k] = swarm.nearest[i]
-            swarm.taken[k] = 0
-            swarm.moved[i] = k
+            notes[BEFORE * size + k] = notes[NEAREST * size + i]
+            notes[TAKEN * size + k] = 0
+            notes[MOVED * size + i] = k
         i += 1
-    swarm.lowest[rank] = lowest
-    swarm.highest[rank] = highest
-    swarm.heaviest[rank] = heaviest
+    tell_box(swarm, rank, lowest, highest)
+    swarm.span[SPAN * rank + HEAVIEST] = heaviest

@@ -9,7 +9,7 @@ import pytest
 import warp as wp
 
 from flowtree import device as devices
-from flowtree.flow.flow_particles import _begin_steps, _make_swarm
+from flowtree.flow.flow_particles import _begin_steps, make_swarm
 from flowtree.geometry.projection import view_axes
 from flowtree.kernels.advance_particles import FlowForces, TimeGrid
 from flowtree.kernels.cell_list import CellGrid
@@ -17,7 +17,16 @@ from flowtree.kernels.flow_fields import FlowFields
 from flowtree.kernels.nearest_in_block import BLOCK
 from flowtree.kernels.reference.run_flow import run_flow as run_flow_twin
 from flowtree.kernels.run_flow import run_flow
-from flowtree.kernels.swarm import KINDS
+from flowtree.kernels.swarm import (
+    CELL,
+    COUNTED,
+    END_STEP,
+    JOINED,
+    KINDS,
+    NEAREST,
+    NOTES,
+    NUMBER,
+)
 from flowtree.model.field import DirectionField
 from flowtree.model.volume import DensityVolume
 
@@ -107,7 +116,7 @@ def waits(start_time, steps, step, count):
 
 
 def flow_swarm(*arguments, **options):
-    """The kernel itself, once: the swarm as it leaves it."""
+    """The kernel itself, once: the record and what it leaves of the particles."""
     return flow_lists(*arguments, **options)[0]
 
 
@@ -117,19 +126,31 @@ def flow_lists(
     """The same, and what it leaves of each particle, (KINDS, size); ``prepare`` may set both beforehand."""
     count = len(start)
     _, order, off, latest = waits(start_time, steps, step, count)
-    swarm = _make_swarm(count, count + 64, threads)
-    swarm.points = devices.empty(count * steps, wp.vec3, "cpu")
-    swarm.particle = devices.empty(count * steps, int, "cpu")
-    swarm.begin, swarm.arrived = devices.zeros(steps + 1, int, "cpu"), devices.zeros(1, int, "cpu")
-    lists = [devices.zeros(KINDS * (count + BLOCK), float, "cpu") for _ in range(2)]
-    left = lists[0].numpy().reshape(KINDS, -1)  # the same memory
+    size, room = count + BLOCK, count * steps
+    swarm = make_swarm(count, steps, threads)
+    left, notes = np.zeros((KINDS, size), np.float32), np.full((NOTES, size), -1, np.int32)
+    points, particle = np.zeros((room, 3), np.float32), np.zeros(room, np.int32)
+    seen = SimpleNamespace(
+        points=points,
+        particle=particle,
+        begin=swarm.begin.numpy(),  # the same memory, as all that follows
+        progress=swarm.tally.numpy()[:COUNTED],
+        number=notes[NUMBER, :count],
+        cell=notes[CELL, :count],
+        nearest=notes[NEAREST, :count],
+        joined=notes[JOINED, :count],
+        end_step=notes[END_STEP, :count],
+    )
     if prepare is not None:
-        prepare(swarm, left)
-    inputs = [steps, count * steps, count + 64, devices.upload(start, wp.vec3, "cpu")]
+        prepare(seen, left)
+    inputs = [steps, room, devices.upload(start, wp.vec3, "cpu")]
     inputs += [devices.upload(order, int, "cpu"), devices.upload(off, int, "cpu")]
     inputs += [upload_fields(fields, "cpu"), force, upload_times(times, "cpu"), latest, step, arrival]
-    devices.launch_together(run_flow, inputs, [*lists, swarm], threads=threads)
-    return swarm, left
+    shared = [(left.ravel(), float), (np.zeros(KINDS * size, np.float32), float), (notes.ravel(), int)]
+    shared += [(points, wp.vec3), (particle, int)]
+    outputs = [devices.hand_over(values, dtype, "cpu") for values, dtype in shared]
+    devices.launch_together(run_flow, inputs, [*outputs, swarm], threads=threads)
+    return seen, left
 
 
 def flow_twin(start, fields, force, *, steps, step, times, arrival=0.1, start_time=None):
@@ -145,8 +166,8 @@ def flow_twin(start, fields, force, *, steps, step, times, arrival=0.1, start_ti
         progress=np.zeros(5, int),
     )
     run_flow_twin(
-        0, 1, steps, count * steps, 0, start, order, off, fields, force, times, latest, step, arrival,
-        None, None, swarm,
+        0, 1, steps, count * steps, start, order, off, fields, force, times, latest, step, arrival,
+        None, None, None, swarm.points, swarm.particle, swarm,
     )  # fmt: skip
     return swarm
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,17 @@ from flowtree.kernels.advance_particles import FlowForces, TimeGrid
 from flowtree.kernels.flow_fields import FlowFields
 from flowtree.kernels.nearest_in_block import BLOCK
 from flowtree.kernels.run_flow import run_flow
-from flowtree.kernels.swarm import KINDS, Swarm
+from flowtree.kernels.swarm import (
+    COUNTED,
+    DONE,
+    END_STEP,
+    JOINED,
+    KINDS,
+    NOTES,
+    NUMBER_OF_STEPS,
+    SPAN,
+    Swarm,
+)
 
 _BLOCK = 4_000_000  # places recorded in one piece of memory
 
@@ -58,8 +69,7 @@ def flow_particles(
     check.require(steps > 0, "steps", "must be at least 1", steps, "give more")
     where = str(fields.vectors.device)
     if times is None:
-        times = TimeGrid()
-        times.time, times.spacing = device.zeros((2, 2, 2), float, where), 1.0
+        times = _no_times(where)
     latest = float(start_time.max()) if start_time is not None and len(start) else 0.0
     begin = _begin_steps(start_time, latest, step, len(start))
     if not len(start):
@@ -69,6 +79,14 @@ def flow_particles(
             start, fields, forces, times, begin, latest=latest, step=step, arrival=arrival, steps=steps
         )
     return _run(start, fields, forces, times, begin, latest, step, arrival, steps, threads)
+
+
+@lru_cache(maxsize=4)
+def _no_times(where: str) -> TimeGrid:
+    """Times that nobody reads."""
+    times = TimeGrid()
+    times.time, times.spacing = device.zeros((2, 2, 2), float, where), 1.0
+    return times
 
 
 def _begin_steps(
@@ -92,20 +110,19 @@ def _run(
     steps: int,
     threads: int | None,
 ) -> FlowRecord:
-    count = len(start)
-    ranks = device.thread_count(threads)
+    count, ranks = len(start), device.thread_count(threads)
+    size = count + BLOCK
     order = np.argsort(begin, kind="stable").astype(np.int32)
     off = np.searchsorted(begin[order], np.arange(steps + 1), side="right").astype(np.int32)
-    cells = count + 64
-    swarm = _make_swarm(count, cells, ranks)
-    lists = [device.zeros(KINDS * (count + BLOCK), float, "cpu") for _ in range(2)]
+    notes = np.empty((NOTES, size), np.int32)
+    notes[[JOINED, END_STEP]] = -1
+    swarm: Any = make_swarm(count, steps, ranks)
     inputs = [
         steps,
         0,
-        cells,
-        device.upload(start, wp.vec3, "cpu"),
-        device.upload(order, int, "cpu"),
-        device.upload(off, int, "cpu"),
+        device.hand_over(start, wp.vec3, "cpu"),
+        device.hand_over(order, int, "cpu"),
+        device.hand_over(off, int, "cpu"),
         fields,
         forces,
         times,
@@ -113,41 +130,39 @@ def _run(
         step,
         arrival,
     ]
+    lists = [device.zeros(KINDS * size, float, "cpu") for _ in range(2)]
+    lists.append(device.hand_over(notes.ravel(), int, "cpu"))
     blocks, bounds, number = [], [np.zeros(1, np.int64)], 0
     while True:
         capacity = inputs[1] = max(count, min(_BLOCK, count * (steps - number)))
-        swarm.points = device.empty(capacity, wp.vec3, "cpu")
-        swarm.particle = device.empty(capacity, int, "cpu")
-        swarm.begin = device.zeros(steps + 1, int, "cpu")
-        swarm.arrived = device.zeros(1, int, "cpu")
-        device.launch_together(run_flow, inputs, [*lists, swarm], threads=ranks)
-        _, now, _, done, _ = swarm.progress.numpy().tolist()
-        ends = swarm.begin.numpy()[number + 1 : now + 1].astype(np.int64)
-        blocks.append((swarm.points.numpy()[: ends[-1]], swarm.particle.numpy()[: ends[-1]]))
+        points, particle = np.empty((capacity, 3), np.float32), np.empty(capacity, np.int32)
+        record = [device.hand_over(points, wp.vec3, "cpu"), device.hand_over(particle, int, "cpu")]
+        swarm.arrived.zero_()
+        device.launch_together(run_flow, inputs, [*lists, *record, swarm], threads=ranks)
+        tally = swarm.tally.numpy()
+        ends = swarm.begin.numpy()[number + 1 : tally[NUMBER_OF_STEPS] + 1].astype(np.int64)
+        blocks.append((points[: ends[-1]], particle[: ends[-1]]))
         bounds.append(bounds[-1][-1] + ends)
-        number = now
-        if done or number == steps:
+        number = int(tally[NUMBER_OF_STEPS])
+        if tally[DONE] or number == steps:
             break
     return FlowRecord(
         blocks=tuple(blocks),
         begin=np.concatenate(bounds),
         begin_step=np.where(begin < number, begin, -1).astype(np.int32),
-        end_step=swarm.end_step.numpy(),
-        joined=swarm.joined.numpy(),
+        end_step=notes[END_STEP, :count].copy(),
+        joined=notes[JOINED, :count].copy(),
     )
 
 
-def _make_swarm(count: int, cells: int, ranks: int) -> Swarm:
-    swarm: Any = Swarm()
-    for name in ("number", "cell", "nearest", "moved", "before", "host", "taken"):
-        setattr(swarm, name, device.empty(count, int, "cpu"))
-    nobody = np.full(count, -1, np.int32)
-    swarm.joined, swarm.end_step = (device.upload(nobody.copy(), int, "cpu") for _ in range(2))
+def make_swarm(count: int, steps: int, ranks: int) -> Any:
+    """What the threads of a flow share before its first step."""
+    cells = count + BLOCK
+    swarm: Any = Swarm()  # Warp leaves it untyped
     swarm.first = device.empty(cells + 1, int, "cpu")
     swarm.held = device.zeros((ranks, cells), int, "cpu")
-    swarm.counted = device.empty(ranks, int, "cpu")
-    swarm.lowest, swarm.highest = (device.empty(ranks, wp.vec3, "cpu") for _ in range(2))
-    swarm.heaviest = device.empty(ranks, float, "cpu")
-    swarm.progress = device.zeros(5, int, "cpu")
-    swarm.box = device.zeros(2, wp.vec3, "cpu")
+    swarm.begin = device.zeros(steps + 1, int, "cpu")
+    swarm.tally = device.zeros(COUNTED + ranks, int, "cpu")
+    swarm.span = device.zeros((ranks + 1) * SPAN, float, "cpu")
+    swarm.arrived = device.zeros(1, int, "cpu")
     return swarm

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -34,20 +36,36 @@ def upload_fields(
         basin: nearer to the foot than this, the straight way to it takes over [m].
         device: where the kernels run.
     """
-    rights = np.array([view_axes(field.yaw)[0] for field in fields])
-    up = np.array([0.0, 1.0, 0.0])
-    seen = sum(np.outer(right, right) + np.outer(up, up) for right in rights)
+    rights, combine = _look_from(tuple(field.yaw for field in fields))
     flow = FlowFields()
-    flow.vectors = devices.upload(np.stack([f.vectors for f in fields]).astype(np.float32), wp.vec2, device)
-    flow.corner = devices.upload(np.stack([f.origin for f in fields]).astype(np.float32), wp.vec2, device)
-    flow.cell = devices.upload(np.stack([f.cell for f in fields]).astype(np.float32), wp.vec2, device)
-    flow.right = devices.upload(rights.astype(np.float32), wp.vec3, device)
-    flow.combine = wp.mat33(*np.linalg.pinv(seen).ravel().tolist())
-    nowhere = np.zeros((2, 2, 2, 3), np.float32), np.zeros(3, np.float32), 1.0
-    way, corner, spacing = nowhere if route is None else route
-    flow.route = devices.upload(way, wp.vec3, device)
-    flow.route_corner = wp.vec3(*map(float, corner))
-    flow.route_spacing = spacing
-    flow.pull = pull if route is not None else 0.0
+    flow.vectors = devices.hand_over(
+        np.stack([f.vectors for f in fields]).astype(np.float32, copy=False), wp.vec2, device
+    )
+    flow.corner = devices.hand_over(np.stack([f.origin for f in fields]).astype(np.float32), wp.vec2, device)
+    flow.cell = devices.hand_over(np.stack([f.cell for f in fields]).astype(np.float32), wp.vec2, device)
+    flow.right = devices.hand_over(rights, wp.vec3, device)
+    flow.combine = combine
+    if route is None:
+        flow.route, flow.route_spacing = _nowhere(device), 1.0
+    else:
+        way, corner, flow.route_spacing = route
+        flow.route = devices.upload(way, wp.vec3, device)
+        flow.route_corner = wp.vec3(*map(float, corner))
+        flow.pull = pull
     flow.basin = basin
     return flow
+
+
+@lru_cache(maxsize=16)
+def _look_from(yaws: tuple[float, ...]) -> tuple[NDArray[np.float32], Any]:
+    """(views, 3) image-right of each, and what averages a sum of their vectors component by component."""
+    rights = np.array([view_axes(yaw)[0] for yaw in yaws])
+    up = np.array([0.0, 1.0, 0.0])
+    seen = sum(np.outer(right, right) + np.outer(up, up) for right in rights)
+    return rights.astype(np.float32), wp.mat33(*np.linalg.pinv(seen).ravel().tolist())
+
+
+@lru_cache(maxsize=4)
+def _nowhere(device: str) -> Any:
+    """A route that is never followed."""
+    return devices.zeros((2, 2, 2), wp.vec3, device)

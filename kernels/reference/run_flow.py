@@ -55,7 +55,6 @@ def run_flow(
     ranks: int,
     steps: int,
     capacity: int,
-    most_cells: int,
     start: NDArray[Any],
     order: NDArray[Any],
     off: NDArray[Any],
@@ -67,15 +66,18 @@ def run_flow(
     arrival: float,
     left_out: NDArray[Any] | None,
     listed_out: NDArray[Any] | None,
+    notes_out: NDArray[Any] | None,
+    points_out: NDArray[Any],
+    particle_out: NDArray[Any],
     swarm_out: Any,
 ) -> None:
     """Steps from the start until nobody is under way, and keeps every step, by number within each.
 
-    The threads, the capacity (the record must hold all) and the cells with their sorted places are speed only
-    and ignored, and so is where ``swarm_out`` stands. Of it are written points, particle, begin, joined,
-    end_step and progress. The search reaches as far as two may join, even if that is farther than they draw.
+    The threads, the capacity (the record must hold all), the lists and where ``swarm_out`` stands are
+    ignored. Besides the record, ``swarm_out`` gets begin, progress, and what the kernel writes to its notes:
+    joined and end_step. The search reaches as far as two may join, even if that is farther than they draw.
     """
-    del first, ranks, capacity, most_cells, left_out, listed_out
+    del first, ranks, capacity, left_out, listed_out, notes_out
     place: dict[int, NDArray[Any]] = {}
     velocity: dict[int, NDArray[Any]] = {}
     mass: dict[int, float] = {}
@@ -86,7 +88,7 @@ def run_flow(
             place[i], velocity[i], mass[i] = np.asarray(start[i], np.float64), np.zeros(3), 1.0
         gone, count = int(off[number]), len(place)
         for i in place:
-            swarm_out.points[base], swarm_out.particle[base] = place[i], i
+            points_out[base], particle_out[base] = place[i], i
             base += 1
         before = dict(place)  # neighbours are taken as they were at the beginning of the step
         nearest = find_nearest(place, radius)

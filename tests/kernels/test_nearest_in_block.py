@@ -28,10 +28,10 @@ def starts(seed, count, kind):
 
 def assert_nearest(swarm, radius):
     """Compares the places that the last step found with those of float64, by their distance."""
-    begin = swarm.begin.numpy()
-    last = int(swarm.progress.numpy()[1])
-    place = swarm.points.numpy()[begin[last - 1] : begin[last]].astype(float)
-    found = swarm.nearest.numpy()[: len(place)]
+    begin = swarm.begin
+    last = int(swarm.progress[1])
+    place = swarm.points[begin[last - 1] : begin[last]].astype(float)
+    found = swarm.nearest[: len(place)]
     if not len(place):
         return
     gap = np.linalg.norm(place[:, None] - place[None], axis=2)
@@ -81,9 +81,9 @@ def test_the_nearest_of_very_many_is_exact(steps):
     force = meeting(0, attraction_radius=2.0, reach=1e-4)
     start = np.random.default_rng(6).uniform([-0.6, 0.6, -0.6], [0.6, 1.8, 0.6], (8000, 3)).astype("f4")
     swarm = flow_swarm(start, chance_fields(6), force, steps=steps, step=0.03, times=chance_times(6))
-    begin = swarm.begin.numpy()
-    place = swarm.points.numpy()[begin[steps - 1] : begin[steps]].astype(float)
-    ours = np.linalg.norm(place - place[swarm.nearest.numpy()[: len(place)]], axis=1)
+    begin = swarm.begin
+    place = swarm.points[begin[steps - 1] : begin[steps]].astype(float)
+    ours = np.linalg.norm(place - place[swarm.nearest[: len(place)]], axis=1)
     assert np.allclose(ours, cKDTree(place).query(place, k=2)[0][:, 1], rtol=1e-5, atol=1e-7)
 
 

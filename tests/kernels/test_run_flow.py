@@ -34,8 +34,8 @@ def straight():
 
 def record(swarm):
     """Points, particles, and where each step begins, of a kernel's swarm."""
-    begin = swarm.begin.numpy()[: swarm.progress.numpy()[1] + 1]
-    return swarm.points.numpy()[: begin[-1]], swarm.particle.numpy()[: begin[-1]], begin
+    begin = swarm.begin[: swarm.progress[1] + 1]
+    return swarm.points[: begin[-1]], swarm.particle[: begin[-1]], begin
 
 
 @LIMBS
@@ -54,11 +54,11 @@ def test_equals_its_twin(limbs, route, seed, count, waiting):
     shared = min(len(ours), len(exact))
     wrong = np.nanmax(np.abs(ours[:shared] - exact[:shared]), axis=2, initial=0.0)
     # A rounding of float32 a step, as long as all meet the same: a threshold missed by a rounding is rare.
-    differs = (fast.end_step.numpy() != slow.end_step) | (fast.joined.numpy() != slow.joined)
+    differs = (fast.end_step != slow.end_step) | (fast.joined != slow.joined)
     if not differs.any():
-        assert np.array_equal(fast.progress.numpy()[:4], slow.progress[:4])
+        assert np.array_equal(fast.progress[:4], slow.progress[:4])
         assert np.array_equal(np.isnan(ours), np.isnan(exact))
-    early = np.minimum(fast.end_step.numpy().astype("u4"), slow.end_step.astype("u4")) < 5
+    early = np.minimum(fast.end_step.astype("u4"), slow.end_step.astype("u4")) < 5
     assert not (differs & early).any(), "merges of the first steps"
     assert (wrong[:5] < 2e-5).all()
     # Later a different neighbour, chosen by a rounding, may lead somebody astray.
@@ -74,8 +74,8 @@ def test_equals_its_twin_over_a_long_way(limbs):
     slow = flow_twin(start, fields, meeting(limbs), **settings_)
     assert (slow.joined >= 0).sum() > 12
     # One or two late merges may go to another: who meets whom by then hangs on a rounding.
-    assert (fast.joined.numpy() == slow.joined).mean() > 0.9
-    assert (np.abs(fast.end_step.numpy() - slow.end_step) <= 1).mean() > 0.9
+    assert (fast.joined == slow.joined).mean() > 0.9
+    assert (np.abs(fast.end_step - slow.end_step) <= 1).mean() > 0.9
 
 
 def test_the_step_is_of_fourth_order():
@@ -88,7 +88,7 @@ def test_the_step_is_of_fourth_order():
 
     def after(flow, steps):
         swarm = flow(start, fields, force, steps=steps + 1, step=way / steps, times=times, arrival=0.01)
-        points = swarm.points if flow is flow_twin else swarm.points.numpy()
+        points = swarm.points
         return points[steps].astype(float)
 
     exact = after(flow_twin, 64 * 8)
@@ -115,10 +115,10 @@ def put(places_, velocities, masses):
         left[X : Z + 1, :count] = np.transpose(places_)
         left[U : W + 1, :count] = np.transpose(velocities)
         left[MASS, :count] = masses
-        swarm.number.assign(np.arange(count, dtype=np.int32))
-        swarm.nearest.fill_(-1)
-        swarm.cell.zero_()
-        swarm.progress.assign(np.int32([count, 0, count, 0, 0]))
+        swarm.number[:] = np.arange(count)
+        swarm.nearest[:] = -1
+        swarm.cell[:] = 0
+        swarm.progress[:] = count, 0, count, 0, 0
 
     return prepare
 
@@ -138,22 +138,22 @@ def test_mass_and_momentum_are_kept(limbs, masses):
     force = meeting(limbs, attraction=0.0, response=1e9)  # nothing turns them within the step
     began = put(place, velocity, masses)
     swarm, left = flow_lists(np.float32(place), still(), force, **HELD, prepare=began)
-    there = np.flatnonzero(swarm.cell.numpy() >= 0)
+    there = np.flatnonzero(swarm.cell >= 0)
     weight = np.array(masses) / sum(masses)
-    assert swarm.number.numpy()[there].tolist() == [host]
+    assert swarm.number[there].tolist() == [host]
     after = left[:, there[0]]
     assert after[MASS] == sum(masses)
     assert np.allclose(after[U : W + 1], weight @ velocity, atol=1e-6)
     assert np.allclose(after[X : Z + 1], weight @ place + 0.01 * (weight @ velocity), atol=1e-6)
-    assert swarm.joined.numpy().tolist() == [-1 if i == host else host for i in range(count)]
-    assert swarm.end_step.numpy().tolist() == [-1 if i == host else 0 for i in range(count)]
+    assert swarm.joined.tolist() == [-1 if i == host else host for i in range(count)]
+    assert swarm.end_step.tolist() == [-1 if i == host else 0 for i in range(count)]
 
 
 def test_by_the_paper_only_mutual_neighbours_join():
     place = np.array([[0.5, 1.0, 0.1], [0.53, 1.0, 0.1], [0.5, 1.04, 0.1]])
     force = meeting(0, attraction=0.0, response=1e9)
     swarm = flow_swarm(np.float32(place), still(), force, **HELD, prepare=put(place, 0 * place, [1, 2, 9]))
-    assert swarm.joined.numpy().tolist() == [1, -1, -1]
+    assert swarm.joined.tolist() == [1, -1, -1]
 
 
 def test_who_is_to_join_one_that_joins_another_waits():
@@ -161,7 +161,7 @@ def test_who_is_to_join_one_that_joins_another_waits():
     place = np.array([[0.5, 1.0, 0.1], [0.58, 1.0, 0.1], [0.66, 1.0, 0.1]])
     force = meeting(1, growth=0.0, attraction=0.0, response=1e9)
     swarm = flow_swarm(np.float32(place), still(), force, **HELD, prepare=put(place, 0 * place, [1, 2, 3]))
-    assert swarm.joined.numpy().tolist() == [-1, 2, -1]
+    assert swarm.joined.tolist() == [-1, 2, -1]
 
 
 def edge_places(kind):
@@ -192,7 +192,7 @@ def test_wherever_and_whatever_flows_it_stays_finite_and_ends(limbs, kind, lead)
     points, particle, begin = record(swarm)
     assert np.isfinite(points).all()
     assert len(begin) - 1 <= 80
-    end, joined = swarm.end_step.numpy(), swarm.joined.numpy()
+    end, joined = swarm.end_step, swarm.joined
     assert (end[joined >= 0] >= 0).all()
     if "foot" in kind:
         assert (end >= 0).all()
