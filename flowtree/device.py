@@ -20,14 +20,26 @@ import warp as wp
 from numpy.typing import NDArray
 
 from flowtree import check
+from flowtree.errors import OutputError
 
 
 def _start_warp() -> None:
     """Starts Warp without a word: its greeting and, where there is no GPU, its warning are no output of ours.
 
     The warning is printed by Warp's own library, past Python: only the file descriptor can be turned away.
+
+    Raises:
+        OutputError: Warp, which makes the folder for compiled kernels when it starts, cannot.
     """
     wp.config.log_level = wp.LOG_ERROR
+    try:
+        _start_quietly()
+    except OSError as error:
+        reason = f"{error.filename}: compiled kernels cannot be kept there: {error.strerror}"
+        raise OutputError(f"{reason}; set WARP_CACHE_PATH to a folder that can be written") from error
+
+
+def _start_quietly() -> None:
     init: Any = wp.init  # Warp leaves it untyped
     try:
         kept = os.dup(2)

@@ -22,15 +22,10 @@ def warmup() -> None:
 
     What is compiled is kept, and compiled again only after an update.
     """
-    from flowtree.errors import OutputError
-
     with show_progress() as progress:
         progress("start", 0.0)
-        try:
-            from flowtree import device  # starts Warp, which makes its folder
-        except OSError as error:
-            reason = f"{error.filename}: compiled kernels cannot be kept there: {error.strerror}"
-            raise OutputError(f"{reason}; set WARP_CACHE_PATH to a folder that can be written") from error
+        from flowtree import device  # starts Warp
+
         folder = device.kernel_folder()
         check_folder(folder)
         modules = kernel_modules()

@@ -50,9 +50,11 @@ def test_compiles_all_once_and_says_where(tmp_path):
         assert re.search(rf"^ *\d+% {name}$", first.stderr, re.MULTILINE)
 
 
-def test_a_folder_that_cannot_be_written_is_told_in_one_line(tmp_path):
+@pytest.mark.parametrize("command", [["warmup"], ["demo", "-o", "trees"]], ids=lambda command: command[0])
+def test_a_folder_that_cannot_be_written_is_told_in_one_line(tmp_path, command):
     (tmp_path / "file").write_bytes(b"")
-    ended = run(PROGRAM, "warmup", WARP_CACHE_PATH=str(tmp_path / "file"))
+    command = [str(tmp_path / word) if word == "trees" else word for word in command]
+    ended = run(PROGRAM, *command, WARP_CACHE_PATH=str(tmp_path / "file"))
     assert ended.returncode == 1
     *_, line = ended.stderr.splitlines()
     assert line.startswith("flowtree: ")
