@@ -10,7 +10,9 @@ from benchmarks.likeness.bench import Bench, Row, mean
 from benchmarks.likeness.draw_scribble import BACKGROUND, TREE, draw_scribble
 from benchmarks.likeness.matte_error import matte_error
 from benchmarks.likeness.paint_photo import SKIES, paint_photo
+from benchmarks.likeness.show_sheet import show_sheet
 from flowtree.matting.extract_matte import extract_matte
+from flowtree.pipeline.reconstruct import reconstruct
 
 _AUTOMATIC, _SCRIBBLED = 0.03, 0.02
 
@@ -18,7 +20,8 @@ _AUTOMATIC, _SCRIBBLED = 0.03, 0.02
 def measure_cutouts(bench: Bench, names: Sequence[str]) -> list[Row]:
     """Three skies a tree: the mean absolute error of the matte over the tree's box.
 
-    One scribble on the tree and one beside it follow, each where the matte is then most wrong so.
+    One scribble on the tree and one beside it follow, each where the matte is then most wrong so. The first
+    sky's photograph also becomes a tree, for its contact sheet.
     """
     alone, mended = {}, {}
     for name in names:
@@ -35,6 +38,10 @@ def measure_cutouts(bench: Bench, names: Sequence[str]) -> list[Row]:
                 scribbles = more
                 alpha = extract_matte(photo, scribbles=scribbles, params=bench.params.matting).alpha
             mended[item] = matte_error(alpha, truth)
+        if bench.folder is not None:
+            first, _ = paint_photo(bench.data / "cutouts" / f"{name}.png", next(iter(SKIES.values())))
+            made = reconstruct([first], params=bench.params, cache=bench.cache)
+            show_sheet(bench, f"cutout_{name}", made)
     return [
         Row("matte error of cut-outs before skies, automatic", _AUTOMATIC, mean(alone), alone, at_most=True),
         Row("the same, worst", None, max(alone.values()), {}),

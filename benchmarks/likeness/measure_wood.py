@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.likeness.bench import Bench, Row, mean
+from benchmarks.likeness.load_stems import load_stems
 from benchmarks.likeness.make_known import make_known
 from benchmarks.likeness.wood_nearby import Samples, sample_lines, sample_wood, share_near
 from benchmarks.measure_truth import INPUTS, load_truth
@@ -27,11 +28,11 @@ def measure_wood(bench: Bench, names: Sequence[str]) -> list[Row]:
     bare, leafy = {}, {}
     for name in names:
         truth = load_truth(bench.data / "truth" / name)
-        known = json.loads((bench.data / "truth" / name / "truth.json").read_text(encoding="utf-8"))
-        stems = _sample_stems(known["stems"], truth.height)
+        lines, bears = load_stems(bench.data / "truth" / name)
+        stems = _sample_stems(lines, truth.height)
         made = make_known(bench, truth)
         wood = sample_wood(made.skeleton, truth.height, twigs=True)
-        (leafy if known["leafy"] else bare)[name] = _compare(stems, wood, truth.height)
+        (leafy if bears else bare)[name] = _compare(stems, wood, truth.height)
     rows = []
     for of, trees in (("bare trees", bare), ("leafy trees", leafy)):
         for figure in ("recall", "precision", "strict recall", "strict precision"):
@@ -42,9 +43,8 @@ def measure_wood(bench: Bench, names: Sequence[str]) -> list[Row]:
     return rows
 
 
-def _sample_stems(stems: Sequence[Sequence[Sequence[float]]], height: float) -> Samples:
+def _sample_stems(lines: Sequence[NDArray[np.float64]], height: float) -> Samples:
     """Places along the true stems, each a polyline of x, y, z, radius [m]."""
-    lines = [np.array(stem, np.float64) for stem in stems if len(stem) > 1]
     start, end = (np.concatenate([line[part] for line in lines]) for part in (slice(-1), slice(1, None)))
     radii = np.stack([start[:, 3], end[:, 3]], axis=1)
     return sample_lines(start[:, :3], end[:, :3], radii, height)
