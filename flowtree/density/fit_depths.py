@@ -21,7 +21,7 @@ _STALL = 0.03  # of the tolerance: a residual that falls by less in those rounds
 _LEAST_LENGTH = 0.1  # voxels; a ray that grazes less weighs no more
 
 _LARGEST = 1e30
-_ROUNDINGS = 6  # rounds in which round slices are scaled to what the views show: more change nothing
+_ROUNDINGS = 5  # rounds in which round slices are scaled to what the views show: more change nothing
 _SHOWN = 1e3  # the depth of a ray that is not known, where a voxel is to be carved or not
 
 _Floats = NDArray[np.float32]

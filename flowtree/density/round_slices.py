@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flowtree.density.guess_depths import guess_depths
 from flowtree.geometry.projection import view_axes
 
 _SMOOTH = 0.125  # of the height: standard deviation over which heights share their profile
@@ -58,12 +59,13 @@ def round_slices(
     """
     columns, rows = depths[0].shape
     smooth = _smoothing(rows)
-    filled = [_fill(depth, sure) for depth, sure in zip(depths, known, strict=True)]
+    filled = [guess_depths(depth, sure) for depth, sure in zip(depths, known, strict=True)]
     places = (np.arange(columns) + 0.5) - columns / 2
     # In a view the axis is where half of the depth is to either side.
     middles = [_median(depth @ smooth.T, places) for depth in filled]
     rights = np.array([view_axes(yaw)[0][[0, 2]] for yaw in yaws])
     axis = np.linalg.solve(rights.T @ rights + _STEADY * np.eye(2), rights.T @ np.array(middles)).T
+    axis = np.clip(axis, centres[0], centres[-1])  # views from almost one side may cross anywhere
     radii = columns // 2 + 1
     total, count = np.zeros((rows, radii)), np.zeros((rows, radii))
     for depth, sure, right in zip(depths, known, rights, strict=True):
@@ -95,20 +97,6 @@ def _smoothing(rows: int) -> _Doubles:
     apart = np.subtract.outer(np.arange(rows), np.arange(rows)) / max(_SMOOTH * rows, 1e-9)
     weight = np.exp(-0.5 * apart**2)
     return np.asarray(weight / weight.sum(axis=1, keepdims=True))
-
-
-def _fill(depth: _Doubles, known: _Known) -> _Doubles:
-    """What is not known as on the other side of the tree, or else as beside it."""
-    if known.all():
-        return depth
-    mirrored, sure = depth[::-1], known[::-1]
-    filled = np.where(known, depth, np.where(sure, mirrored, 0.0))
-    rest = ~(known | sure)
-    place = np.arange(len(depth))
-    for row in np.flatnonzero(rest.any(axis=0) & ~rest.all(axis=0)):
-        hidden = rest[:, row]
-        filled[hidden, row] = np.interp(place[hidden], place[~hidden], filled[~hidden, row])
-    return filled
 
 
 def _median(depth: _Doubles, places: _Doubles) -> _Doubles:

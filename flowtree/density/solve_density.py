@@ -12,6 +12,7 @@ from flowtree import check
 from flowtree import device as devices
 from flowtree.density.fit_depths import fit_depths
 from flowtree.density.footprint_matrix import footprint_matrix
+from flowtree.density.guess_depths import guess_depths
 from flowtree.density.known_depths import known_depths
 from flowtree.density.round_slices import round_slices
 from flowtree.kernels.fit_depths import LANES
@@ -47,11 +48,32 @@ def solve_density(
     nearly as `fit_depths` can tell.
 
     Deviations: two views leave the system underdetermined, and the iteration keeps whatever its start holds
-    in the null space. It therefore starts, not from the minimum, but from the product of the views' optical
-    depths, scaled to the depth that each height holds (the choice of maximum entropy: what one view shows is
-    spread over the other's profile; for two views at a right angle it satisfies both). Rows of views that do
-    not hold the same total are first brought to their mean total, for a level slice of one tree has only one;
-    ``params.balance`` limits the correction.
+    in the null space. It therefore starts, not from the minimum, but from a tree that is round about its axis
+    and looks like the views on the average (`round_slices`), scaled to what each ray shows. Of all densities
+    that satisfy the views this is the one of least relative entropy to the round tree. What the candidates
+    reach at the held-out views of four known trees, soft IoU from exact mattes, 64 voxels high:
+
+    ==========================================================================  =====================
+    minimum of the views (the paper's start)                                    0.50
+    plain least squares                                                         0.604
+    product of the views (maximum entropy)                                      0.614
+    product, made smooth from height to height / along lines in space           0.616 / 0.623
+    product, made denser where the views' depths agree                          0.615
+    product, thinned outside the ellipse of each height's extents               0.615
+    round about the axis, neighbouring heights sharing little / much of it      0.627 / **0.629**
+    the same, also elliptic / smooth along lines / denser where depths agree    0.629 / 0.631 / 0.628
+    ==========================================================================  =====================
+
+    The product couples a branch beside the stem with the other view's stem: most of its density comes to lie
+    on the planes through the axis, a cross seen from above. The round tree knows that the stem is a stem.
+    More voxels raise what a tree reaches at the held-out views (0.573, 0.575, 0.577 with 64, 96, 128 of them
+    along the height) and nothing at the input views.
+
+    Rows of views that do not hold the same total are first brought to their mean total, for a level slice of
+    one tree has only one; ``params.balance`` limits the correction.
+
+    Where a matte is unknown, and beyond a picture's border that the tree touches, rays neither carve nor
+    count (`known_depths`): the other views and the round tree decide.
 
     Args:
         mattes: one for each view, at least two.
@@ -78,11 +100,10 @@ def solve_density(
         ", ".join(f"{camera.yaw:g}" for camera in cameras),
         "give each view its own yaw",
     )
-    alphas = [
-        check.array(matte.alpha, f"alpha of view {k}", shape=(camera.height, camera.width), low=0.0, high=1.0)
-        for k, (matte, camera) in enumerate(zip(mattes, cameras, strict=True))
+    mattes = [
+        _checked(matte, camera, k) for k, (matte, camera) in enumerate(zip(mattes, cameras, strict=True))
     ]
-    reach, top = _extent(alphas, cameras)
+    reach, top = _extent(mattes, cameras)
     cell = max(top, reach / _WIDEST) / params.resolution
     half = int(np.ceil(reach / cell)) + 1
     rows = int(np.ceil(top / cell)) + 1
@@ -127,11 +148,22 @@ def solve_density(
     return DensityVolume(density=volume, origin=origin, voxel=float(cell))
 
 
-def _extent(alphas: list[NDArray[np.float32]], cameras: Sequence[Camera]) -> tuple[float, float]:
+def _checked(matte: Matte, camera: Camera, view: int) -> Matte:
+    shape = (camera.height, camera.width)
+    alpha = check.array(matte.alpha, f"alpha of view {view}", shape=shape, low=0.0, high=1.0)
+    if matte.unknown is None:
+        return replace(matte, alpha=alpha)
+    unknown = check.array(matte.unknown, f"unknown pixels of view {view}", shape=shape, dtype=np.bool_)
+    return replace(matte, alpha=alpha, unknown=unknown)
+
+
+def _extent(mattes: Sequence[Matte], cameras: Sequence[Camera]) -> tuple[float, float]:
     """Largest distance from the axis and largest height that any view shows [m]."""
     reach = top = 0.0
-    for k, (alpha, camera) in enumerate(zip(alphas, cameras, strict=True)):
-        seen = alpha > 0.02
+    for k, (matte, camera) in enumerate(zip(mattes, cameras, strict=True)):
+        seen = matte.alpha > 0.02
+        if matte.unknown is not None:
+            seen &= ~matte.unknown
         check.require(
             bool(seen.any()), f"matte of view {k}", "must hold a tree", "an empty alpha", "scribble the tree"
         )
@@ -151,13 +183,18 @@ def _balance_rows(
 ) -> list[NDArray[np.float64]]:
     """Brings each height's total depth to the views' mean, by at most a factor of ``1 + limit``.
 
-    A view that does not know all of a height has no total there.
+    Only views that know all of a height say what its total is. One that does not is itself corrected as far
+    as it knows its own: by the power of the factor that is the known share of its guessed total.
     """
     whole = np.array([sure.all(axis=0) for sure in known])
-    totals = np.array([depth.sum(axis=0) for depth in depths])
-    mean = (totals * whole).sum(axis=0) / np.maximum(whole.sum(axis=0), 1)
+    shown = np.array([(depth * sure).sum(axis=0) for depth, sure in zip(depths, known, strict=True)])
+    totals = np.array([guess_depths(d, sure).sum(axis=0) for d, sure in zip(depths, known, strict=True)])
+    judges = whole.sum(axis=0)
+    mean = (totals * whole).sum(axis=0) / np.maximum(judges, 1)
     balanced = []
-    for depth, total, sure in zip(depths, totals, whole, strict=True):
-        factor = np.divide(mean, total, out=np.ones_like(mean), where=sure & (total > 1e-9))
-        balanced.append(depth * np.clip(factor, 1 / (1 + limit), 1 + limit))
+    for depth, part, total in zip(depths, shown, totals, strict=True):
+        says = (judges > 0) & (total > 1e-9)
+        factor = np.divide(mean, total, out=np.ones_like(mean), where=says)
+        share = np.divide(part, total, out=np.ones_like(mean), where=says)
+        balanced.append(depth * np.clip(factor, 1 / (1 + limit), 1 + limit) ** share)
     return balanced

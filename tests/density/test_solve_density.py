@@ -116,7 +116,7 @@ def test_two_views_at_a_right_angle_need_no_iteration():
     mattes = [_matte(a) for a in alphas]
     volume = solve_density(mattes, cameras, params=params)
     rows = [r.sum(axis=0) for r in np.split(_residuals(volume, mattes, cameras), 2)]
-    assert np.allclose(rows[0], -rows[1], rtol=0.01, atol=1e-3), "each view is off by its row's balance alone"
+    assert np.allclose(rows[0], -rows[1], rtol=0.02, atol=2e-3), "each view is off by its row's balance alone"
 
 
 @settings(max_examples=15, deadline=None)
@@ -280,6 +280,13 @@ def test_a_broken_matte_is_named(alpha, text):
         solve_density([mattes[0], _matte(alpha)], cameras)
 
 
+def test_an_unknown_mask_of_another_size_is_named():
+    mattes, cameras = _good()
+    broken = dataclasses.replace(mattes[1], unknown=np.zeros((4, 4), bool))
+    with pytest.raises(InputError, match="unknown pixels of view 1"):
+        solve_density([mattes[0], broken], cameras)
+
+
 def test_views_that_share_no_height_are_refused():
     _, cameras = _good()
     upper, lower = np.zeros((32, 32)), np.zeros((32, 32))
@@ -293,3 +300,98 @@ def test_a_tree_under_its_foot_is_refused():
     sunk = [dataclasses.replace(camera, foot=(16.0, 1.0)) for camera in cameras]
     with pytest.raises(InputError, match="foot"):
         solve_density(mattes, sunk)
+
+
+def _tree():
+    """A crown on a stem, both somewhat aside."""
+    voxel = 0.05
+    side = (np.arange(60) + 0.5 - 30) * voxel
+    x, y, z = np.meshgrid(side, (np.arange(60) + 0.5) * voxel, side, indexing="ij")
+    crown = ((x - 0.1) / 1.0) ** 2 + ((y - 2.0) / 0.9) ** 2 + (z / 0.8) ** 2 < 1
+    rng = np.random.default_rng(0)
+    density = np.where(crown, rng.gamma(0.5, 2.0, x.shape), 0.0)
+    density[(np.hypot(x - 0.04 * y, z) < 0.08) & (y < 1.8)] = 25.0
+    return DensityVolume(density.astype(np.float32), np.float32([-1.5, 0, -1.5]), voxel)
+
+
+def _held_out(volume, phantom):
+    cameras = [_camera(yaw) for yaw in (0, 45, 90, 135)]
+    return np.mean([_soft_iou(project_density(volume, c), project_density(phantom, c)) for c in cameras])
+
+
+@pytest.mark.parametrize("where", ["before the crown", "before the foot", "before both feet"])
+def test_what_hides_the_tree_costs_little(where):
+    """Unknown is not empty: under an occluder that is marked the other view and the habit decide."""
+    phantom = _tree()
+    mattes, cameras = _views(phantom, (0, 90))
+    hidden = np.zeros((96, 96), bool)
+    if where == "before the crown":
+        hidden[:, 54:62] = True
+    else:
+        hidden[80:, 30:70] = True
+    covered = [0, 1] if where == "before both feet" else [0]
+
+    def cover(unknown):
+        return [
+            dataclasses.replace(m, alpha=np.where(hidden, 0, m.alpha).astype(np.float32), unknown=unknown)
+            if k in covered
+            else m
+            for k, m in enumerate(mattes)
+        ]
+
+    whole, empty, unknown = (
+        _held_out(solve_density(m, cameras), phantom) for m in (mattes, cover(None), cover(hidden))
+    )
+    assert unknown > empty
+    assert unknown > whole - 0.03
+
+
+def test_a_crown_that_leaves_the_frame_goes_on_beyond_it():
+    phantom = _tree()
+    mattes, cameras = _views(phantom, (0, 90))
+    cut, camera = 40, cameras[0]
+    cropped = [_matte(np.ascontiguousarray(mattes[0].alpha[:, cut:])), mattes[1]]
+    framed = dataclasses.replace(camera, foot=(camera.foot[0] - cut, camera.foot[1]), width=96 - cut)
+    ended = [_matte(np.where(np.arange(96) < cut, 0, mattes[0].alpha)), mattes[1]]
+    whole = _held_out(solve_density(mattes, cameras), phantom)
+    open_ = solve_density(cropped, [framed, cameras[1]])
+    empty = _held_out(solve_density(ended, cameras), phantom)
+    assert _held_out(open_, phantom) > max(empty + 0.03, whole - 0.08)
+    beyond = open_.density[: open_.density.shape[0] // 2].sum() / open_.density.sum()
+    true = phantom.density[:30].sum() / phantom.density.sum()
+    assert beyond == pytest.approx(true, abs=0.15)
+
+
+def test_a_picture_with_room_around_the_tree_says_that_nothing_is_beyond():
+    mattes, cameras = _views(_phantom("sphere"), (0, 90))
+    narrow = [
+        (
+            _matte(np.ascontiguousarray(m.alpha[:, 10:86])),
+            dataclasses.replace(c, foot=(38.0, c.foot[1]), width=76),
+        )
+        for m, c in zip(mattes, cameras, strict=True)
+    ]
+    one = solve_density(mattes, cameras, params=COARSE)
+    two = solve_density(*zip(*narrow, strict=True), params=COARSE)
+    assert np.allclose(one.density, two.density, atol=1e-5)
+
+
+def test_a_whorl_is_no_cross():
+    """Branches in all directions from a stem: what one view shows beside it lies around it, not before it."""
+    voxel = 0.05
+    side = (np.arange(60) + 0.5 - 30) * voxel
+    x, y, z = np.meshgrid(side, (np.arange(40) + 0.5) * voxel, side, indexing="ij")
+    radius, angle = np.hypot(x, z), np.arctan2(z, x)
+    spokes = (np.abs(np.sin(3.5 * angle)) * radius < 0.2) & (radius < 1.2) & (y > 1) & (y < 1.9)
+    density = np.where(radius < 0.1, 30.0, np.where(spokes, 0.5, 0.0)).astype(np.float32)
+    whorl = DensityVolume(density, np.float32([-1.5, 0, -1.5]), voxel)
+    mattes, cameras = _views(whorl, (0, 90))
+    volume = solve_density(mattes, cameras, params=DensityParams(resolution=40))
+    n = volume.density.shape[0]
+    at = (np.arange(n) + 0.5 - n / 2) * volume.voxel
+    gx, gz = np.meshgrid(at, at, indexing="ij")
+    level = volume.density[:, int(1.2 / volume.voxel) : int(1.8 / volume.voxel)].sum(axis=1)
+    ring = (np.hypot(gx, gz) > 0.5) & (np.hypot(gx, gz) < 1.0)
+    arms = ring & (np.minimum(np.abs(gx), np.abs(gz)) < 0.15)
+    share = level[arms].sum() / level[ring].sum()
+    assert share < 1.6 * arms.sum() / ring.sum(), "the product of the views has 2.9 times its share there"
