@@ -27,7 +27,7 @@ _STEEP = 0.35  # what depth costs: so many times its square over the length seen
 _FAR = 1.2  # depth a limb may gain for the length seen
 _SMOOTH = 0.03  # of the height: sigma of the smoothing of the depth along a limb
 _SEES = 0.3  # sine of the angle between two views from which one sees the other's depth well enough
-_FADE = 0.8  # from node to node
+_FADE, _FADING = 0.8, 12  # from node to node, over so many nodes
 _USUAL = 0.5  # quantile of the density that counts as solid
 
 _Array = NDArray[np.float64]
@@ -66,8 +66,10 @@ def lift_graphs(graphs: Sequence[AttractorGraph], yaws: Sequence[float], volume:
     # A branch is never heavier than its carrier, and comes behind it among equals.
     for _, view, nodes in sorted(branches, key=lambda branch: -branch[0]):
         lifting.add(view, nodes)
-    order, parent = parents_first(np.array(lifting.parent))
-    return LimbTree(parent, np.array(lifting.points)[order].astype(np.float32))
+    count = lifting.count
+    order, parent = parents_first(lifting.parent[:count])
+    points, radius = lifting.points[:count][order], lifting.radius[:count][order]
+    return LimbTree(parent, points.astype(np.float32), radius.astype(np.float32))
 
 
 def _branches(graph: AttractorGraph) -> list[tuple[float, list[int]]]:
@@ -107,8 +109,10 @@ class _Lifting:
     """The limbs while branches are still joining them.
 
     Attributes:
+        count: of nodes; the arrays hold room for more.
         parent: of each node; the root's is -1.
         points: of each node [m].
+        radius: of each node [m], NaN where no view shows how thick it is.
     """
 
     def __init__(
@@ -118,9 +122,12 @@ class _Lifting:
         volume: DensityVolume,
         height: float,
     ) -> None:
-        self.parent: list[int] = [-1]
-        self.points: list[_Array] = [np.zeros(3)]
-        self._view = [-1]
+        room = 1 + sum(len(graph.parent) for graph in graphs)
+        self.count = 1
+        self.parent = np.full(room, -1, np.int64)
+        self.points = np.zeros((room, 3))
+        self.radius = np.full(room, np.nan)
+        self._view = np.full(room, -1)
         self._graphs, self._height = graphs, height
         self._axes = [view_axes(yaw) for yaw in yaws]
         self._yaws = yaws
@@ -144,16 +151,22 @@ class _Lifting:
             self._limb_of[view][nodes[known:]] = self._limb_of[view][nodes[known]]
             return
         at = int(self._limb_of[view][nodes[known]])
-        depth = self._find_depth(view, line[known:], at)
+        depth = self._find_depth(view, line[known:], at)[1:]
         right, up, toward = self._axes[view]
-        first = len(self.parent)
-        for node, (x, y), z in zip(nodes[known + 1 :], line[known + 1 :], depth[1:], strict=True):
-            self.parent.append(at)
-            self._view.append(view)
-            self.points.append(x * right + y * up + z * toward)
-            at = len(self.parent) - 1
-            self._limb_of[view][node] = at
-        self._mark_taken(np.array(self.points[first:]))
+        new = nodes[known + 1 :]
+        place = np.arange(self.count, self.count + len(new))
+        self.parent[place] = np.concatenate([[at], place[:-1]])
+        rest = line[known + 1 :]
+        self.points[place] = rest[:, :1] * right + rest[:, 1:] * up + depth[:, None] * toward
+        self.radius[place] = self._thickness(view, new)
+        self._view[place] = view
+        self._limb_of[view][new] = place
+        self.count += len(new)
+        self._mark_taken(self.points[place])
+
+    def _thickness(self, view: int, nodes: list[int]) -> _Array:
+        half = self._graphs[view].half_width
+        return np.full(len(nodes), np.nan) if half is None else half[nodes].astype(np.float64)
 
     def _follow(self, view: int, nodes: list[int], line: _Array) -> int:
         """How many of the branch's nodes lie on the picture of a limb that goes on from the fork's.
@@ -161,45 +174,50 @@ class _Lifting:
         Sets the limb's nodes that they belong to.
         """
         start = int(self._limb_of[view][nodes[0]])
-        count = len(self.parent)
-        flat = to_plane(np.array(self.points), self._yaws[view])
-        distance, nearest = cKDTree(line).query(flat)
-        near = distance < _SAME * self._height
-        reached = np.full(count, -1)
-        reached[start] = 0
-        for node in range(start + 1, count):
-            below = reached[self.parent[node]]
-            if below >= 0 and near[node] and nearest[node] >= below:
-                reached[node] = nearest[node]
-        end = int(reached.argmax())
-        known = int(reached[end])
+        flat = to_plane(self.points[: self.count], self._yaws[view])
+        same = _SAME * self._height
+        near = np.flatnonzero(
+            ((flat > line.min(axis=0) - same) & (flat < line.max(axis=0) + same)).all(axis=1)
+        )
+        distance, nearest = cKDTree(line).query(flat[near])
+        reached = {start: 0}
+        for node, off, k in zip(near.tolist(), distance.tolist(), nearest.tolist(), strict=True):
+            if node > start and off < same and k >= reached.get(int(self.parent[node]), len(line)):
+                reached[node] = k
+        end = max(reached, key=lambda node: (reached[node], -node))
+        known = reached[end]
         way = [end]
         while way[-1] != start:
-            way.append(self.parent[way[-1]])
+            way.append(int(self.parent[way[-1]]))
+        way.reverse()
         # Each node of the branch belongs to the first limb's node that has come as far.
-        at = np.searchsorted(reached[way[::-1]], np.arange(known + 1))
-        self._limb_of[view][nodes[: known + 1]] = np.array(way[::-1])[at]
-        self._draw_onto(view, way, line)
+        come = np.array([reached[node] for node in way])
+        at = np.searchsorted(come, np.arange(known + 1))
+        self._limb_of[view][nodes[: known + 1]] = np.array(way)[at]
+        half = self._thickness(view, nodes)[come]
+        self.radius[way] = np.fmin(self.radius[way], half)
+        self._draw_onto(view, np.array(way), line)
         return known
 
-    def _draw_onto(self, view: int, way: list[int], line: _Array) -> None:
+    def _draw_onto(self, view: int, way: NDArray[np.int64], line: _Array) -> None:
         """Shifts limb nodes in depth, as their own view sees it, onto the line that they look like here."""
         right = self._axes[view][0]
-        points = np.array(self.points)
-        aside = _height_offset(line, to_plane(points[way], self._yaws[view]))
-        shift = np.zeros(len(points))
-        for node, off in zip(way, aside.tolist(), strict=True):
-            own = self._view[node]
-            sees = float(self._axes[own][2] @ right) if own >= 0 else 0.0
-            if own != view and abs(sees) > _SEES:
-                shift[node] = off / sees
-        on_way = np.zeros(len(points), np.bool_)
-        on_way[way] = True
-        for node in range(1, len(points)):
-            if not on_way[node]:  # what grows from there comes along, less and less
-                shift[node] = _FADE * shift[self.parent[node]]
-            if shift[node] != 0.0:
-                self.points[node] = self.points[node] + shift[node] * self._axes[self._view[node]][2]
+        sees = np.array([0.0, *(float(axes[2] @ right) for axes in self._axes)])[self._view[: self.count] + 1]
+        movable = (self._view[: self.count] != view) & (np.abs(sees) > _SEES)
+        if not movable[way].any():
+            return
+        aside = _height_offset(line, to_plane(self.points[way], self._yaws[view]))
+        shift = np.zeros(self.count)
+        shift[way] = np.divide(aside, sees[way], out=np.zeros(len(way)), where=movable[way])
+        front = way
+        done = np.zeros(self.count, np.bool_)
+        done[way] = True
+        for _ in range(_FADING):  # what grows from there comes along, less and less
+            front = np.flatnonzero(~done & done[self.parent[: self.count]] & (self.parent[: self.count] >= 0))
+            shift[front] = _FADE * shift[self.parent[front]] * (self._view[front] >= 0)
+            done[front] = True
+        toward = np.array([np.zeros(3), *(axes[2] for axes in self._axes)])[self._view[: self.count] + 1]
+        self.points[: self.count] += shift[:, None] * toward
 
     def _find_depth(self, view: int, line: _Array, at: int) -> _Array:
         """Depth (n,) [m] toward the camera of the points of a line that starts at a limb's node."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -10,44 +12,73 @@ from flowtree.attraction.cut_working_grid import WorkingGrid
 from flowtree.model.matte import Matte
 
 _OPAQUE = 0.6  # alpha of wood; lace of twigs has less
-_FINEST = 1.5  # [working pixels] half width of the finest limb told from its neighbours
-_FINER = 1.2  # ratio of the half widths that are told apart
-_THICKEST = 0.05  # of the height: half width up to which an opaque part is a limb
+_FINEST = 1.5  # [pixels] half width of the finest limb told from its neighbours
+_RATIO = 1.2  # of half widths that are told apart
+_WIDEST = 0.05  # of the height: half width up to which an opaque part is a limb
+_MIDDLE = 0.7  # depth by half width from which a place is in the middle
+_ASIDE = 3  # pixels across, in which the middle is looked for: a limb's line is not drawn to the pixel
 
-_Map = NDArray[np.float64]
+_Map = NDArray[np.float32]
 
 
-def measure_limbs(matte: Matte, grid: WorkingGrid) -> tuple[_Map, _Map]:
-    """The clearest place of every grid cell: how near its limb's middle, and the limb's half width.
+@dataclass(frozen=True)
+class LimbWidths:
+    """What of the matte is limb.
 
-    Measured in the working picture itself: on the grid two limbs side by side are one. The half width is that
-    of the largest disc inside the opaque matte that covers the place.
+    Attributes:
+        depth: (h, w) [working pixels], distance to the nearest pixel that is not opaque; 0 there.
+        half: (h, w) [working pixels], radius of the largest disc inside the opaque matte that covers the
+            pixel, down to a sixth less; 0 where it is not opaque.
+    """
+
+    depth: _Map
+    half: _Map
+
+    def on_grid(self, grid: WorkingGrid) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The clearest place of every cell of a grid of the same view.
+
+        Returns:
+            middle: (rows, columns) 0 at a limb's edge and beside it, 1 in its middle.
+            half: (rows, columns) half width [tree heights].
+        """
+        middle = self.depth / np.maximum(self.half, 1e-6)
+        rows, columns = grid.alpha.shape
+        clear, thick = np.zeros(rows * columns), np.zeros(rows * columns)
+        at = np.argwhere(self.depth > 0)
+        cell = np.floor((at[:, ::-1] + 0.5 - np.array(grid.corner)) * grid.scale).astype(int)
+        inside = ((cell >= 0) & (cell < (columns, rows))).all(axis=1)
+        at, cell = at[inside], cell[inside]
+        flat = cell[:, 1] * columns + cell[:, 0]
+        np.maximum.at(clear, flat, middle[tuple(at.T)])
+        np.maximum.at(thick, flat, self.half[tuple(at.T)] * grid.scale / grid.tall)
+        return clear.reshape(rows, columns), thick.reshape(rows, columns)
+
+    def at(self, pixels: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Half width [working pixels] of the limbs in whose middle places (n, 2) as (x, y) lie, else NaN."""
+        inner = np.where(self.depth >= _MIDDLE * self.half, self.depth, np.float32(0.0))
+        inner = np.asarray(cv2.dilate(inner, np.ones((_ASIDE, _ASIDE), np.uint8)), np.float32)
+        place = np.floor(pixels[:, ::-1]).astype(int)
+        inside = ((place >= 0) & (place < inner.shape)).all(axis=1)
+        width = np.full(len(pixels), np.nan)
+        # Of n pixels across the depth is n/2 or (n + 1)/2: a quarter of a pixel too much in the mean.
+        seen = inner[tuple(place[inside].T)].astype(np.float64)
+        width[inside] = np.where(seen > 0.0, seen - 0.25, np.nan)
+        return width
+
+
+def measure_limbs(matte: Matte, tall: float) -> LimbWidths:
+    """Measures the opaque parts of a matte, in the working picture itself: on a grid two limbs may be one.
 
     Args:
         matte: of the view.
-        grid: of the same view.
-
-    Returns:
-        middle: (h, w) 0 at a limb's edge and beside it, 1 in its middle.
-        half: (h, w) [tree heights].
+        tall: the tree's height [working pixels].
     """
-    tall = grid.tall / grid.scale
     opaque = np.pad((matte.alpha > _OPAQUE).astype(np.uint8), 1)
-    depth = cv2.distanceTransform(opaque, cv2.DIST_L2, 5)[1:-1, 1:-1]
+    depth = np.asarray(cv2.distanceTransform(opaque, cv2.DIST_L2, 5), np.float32)[1:-1, 1:-1]
     half = depth.copy()
     radius = _FINEST
-    while radius <= min(float(depth.max()), _THICKEST * tall):
+    while radius <= min(float(depth.max()), _WIDEST * tall):
         covered = cv2.distanceTransform((depth < radius).astype(np.uint8), cv2.DIST_L2, 5) < radius
         half[covered] = np.maximum(half[covered], radius)
-        radius *= _FINER
-    middle = depth / np.maximum(half, 1e-6)
-    rows, columns = grid.alpha.shape
-    clear, thick = np.zeros(rows * columns), np.zeros(rows * columns)
-    at = np.argwhere(depth > 0)
-    cell = np.floor((at[:, ::-1] + 0.5 - np.array(grid.corner)) * grid.scale).astype(int)
-    inside = ((cell >= 0) & (cell < (columns, rows))).all(axis=1)
-    at, cell = at[inside], cell[inside]
-    flat = cell[:, 1] * columns + cell[:, 0]
-    np.maximum.at(clear, flat, middle[tuple(at.T)])
-    np.maximum.at(thick, flat, half[tuple(at.T)] / tall)
-    return clear.reshape(rows, columns), thick.reshape(rows, columns)
+        radius *= _RATIO
+    return LimbWidths(depth, np.where(depth > 0, half, np.float32(0.0)))

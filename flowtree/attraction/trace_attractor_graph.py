@@ -101,7 +101,8 @@ def trace_attractor_graph(
     tree = GrowingTree(grid, foot)
     root = tree.cell_of(foot)
     crown = outline_crown(grid, root[0])
-    limbs = None if leafy or automatic == 0 else measure_limbs(matte, grid)
+    widths = None if leafy else measure_limbs(matte, grid.tall / grid.scale)
+    limbs = None if widths is None else widths.on_grid(grid)
     cost = weigh_structures(grid, crown, rng, limbs)
     goal = root
     if fork is not None:
@@ -109,7 +110,7 @@ def trace_attractor_graph(
         goal = tree.cell_of(place)
         cost = _raise_stem(tree, cost, root, place, grid.tall)
     attach_strokes(tree, cost, [grid.to_cells(line) for line in lines], tall=grid.tall)
-    if limbs is not None:
+    if limbs is not None and automatic > 0:
         cover_limbs(tree, cost, *limbs, target=goal, tall=grid.tall)
     found = choose_seeds(grid, crown, count=automatic, mode=params.seed_mode, rng=rng)
     found = _away_from_strokes(found, tree, _CROWDED * grid.tall)
@@ -128,9 +129,11 @@ def trace_attractor_graph(
     if len(tree.parent) == 1:  # a tree of so few pixels that no path is long enough: a stem without branches
         tree.add(0, foot - [0.0, grid.tall], drawn=False)
     parent, points = shape_branches(tree, grid.tall, lowest=int(tree.node_at[goal]))
-    plane = pixels_to_plane(grid.to_pixels(points), camera).astype(np.float32)
+    pixels = grid.to_pixels(points)
+    plane = pixels_to_plane(pixels, camera).astype(np.float32)
     plane[0] = 0.0  # exactly: rounding is no part of the foot
-    return AttractorGraph(parent, plane)
+    half = None if widths is None else (widths.at(pixels) * camera.metres_per_pixel).astype(np.float32)
+    return AttractorGraph(parent, plane, half)
 
 
 def _line(stroke: ArrayLike, number: int) -> _Array:

@@ -17,7 +17,11 @@ _DA_VINCI = 2.0  # areas add up
 
 
 def da_vinci_radii(
-    skeleton: Skeleton, *, trunk_radius: float | None = None, params: ThicknessParams = ThicknessParams()
+    skeleton: Skeleton,
+    *,
+    trunk_radius: float | None = None,
+    bounds: NDArray[np.float64] | None = None,
+    params: ThicknessParams = ThicknessParams(),
 ) -> Skeleton:
     """Gives every node a radius [m]: ``r**e = a * sum(r_i**e)`` over its children, with e = 2.
 
@@ -25,11 +29,14 @@ def da_vinci_radii(
     the one measured in the photos, else a share of the height. ``params.exponent`` may replace the 2.
 
     Between forks the rule leaves a stem as thick as it was; real ones taper, by ``params.taper`` from root
-    to tip.
+    to tip. Where ``bounds`` leave the rule no choice they count, and what grows from there is as much thinner
+    as the rule's branch is thinner than the rule's limb.
 
     Args:
         skeleton: the branches.
         trunk_radius: measured above the foot [m]; None where no photo shows the trunk.
+        bounds: (n, 2) least and most radius of each node [m], as far as it was measured; None for none. A
+            node is never thicker than its parent, whatever they say.
         params: the constant and the trunk's radius.
 
     Returns: the skeleton with ``radius``, never smaller at a parent than at a child, and ``level`` by it.
@@ -52,8 +59,22 @@ def da_vinci_radii(
     trunk = params.trunk_radius or trunk_radius or params.slenderness * height
     radius = (total / total[0]) ** (1.0 / (params.exponent or _DA_VINCI)) * trunk
     radius *= 1.0 - params.taper * _way_share(skeleton)
+    if bounds is not None:
+        radius = _keep_within(skeleton.parent, radius, bounds)
     radius = np.maximum(radius, min(params.thinnest * height, trunk))
     return replace(skeleton, radius=radius.astype(np.float32), level=order_branches(skeleton.parent, radius))
+
+
+def _keep_within(
+    parent: NDArray[np.int32], radius: NDArray[np.float64], bounds: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """The rule's radii within their bounds, scaled beyond them; never growing toward a tip."""
+    made = radius.copy()
+    for nodes in levels(parent)[1:]:
+        below = made[parent[nodes]]
+        by_rule = below * radius[nodes] / np.maximum(radius[parent[nodes]], 1e-12)
+        made[nodes] = np.minimum(np.clip(by_rule, bounds[nodes, 0], bounds[nodes, 1]), below)
+    return made
 
 
 def _way_share(skeleton: Skeleton) -> NDArray[np.float64]:

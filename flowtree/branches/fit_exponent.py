@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flowtree import check
 from flowtree.branches.da_vinci_radii import da_vinci_radii
@@ -27,6 +28,7 @@ def fit_exponent(
     cameras: Sequence[Camera],
     *,
     trunk_radius: float | None = None,
+    bounds: NDArray[np.float64] | None = None,
     params: ThicknessParams = ThicknessParams(),
 ) -> float:
     """The exponent of Da Vinci's rule with which the branches of a bare tree fill their share of the mattes.
@@ -39,6 +41,7 @@ def fit_exponent(
         mattes: one a view.
         cameras: theirs.
         trunk_radius: as for `da_vinci_radii` [m].
+        bounds: as for `da_vinci_radii` [m].
         params: as for `da_vinci_radii`, but for the exponent.
 
     Returns: between 2 and 2.7.
@@ -54,7 +57,7 @@ def fit_exponent(
     for _ in range(_ROUNDS):
         middle = (low + high) / 2
         trial = params.model_copy(update={"exponent": middle})
-        wood = da_vinci_radii(skeleton, trunk_radius=trunk_radius, params=trial)
+        wood = da_vinci_radii(skeleton, trunk_radius=trunk_radius, bounds=bounds, params=trial)
         # A cell behind a limb is opaque once: more wood there does not count.
         given = sum(
             float(np.minimum(rods_depth(grid, wood.parent, wood.points, wood.radius), depth).sum())

@@ -17,10 +17,13 @@ class AttractorGraph:
     Attributes:
         parent: (n,) int32, ``parent[i] < i``; the root alone has -1.
         points: (n, 2) float32 [m].
+        half_width: (n,) float32 [m], of what the matte shows along the branches, NaN where a node is not in its
+            middle; None where nothing was measured.
     """
 
     parent: NDArray[np.int32]
     points: NDArray[np.float32]
+    half_width: NDArray[np.float32] | None = None
 
 
 @dataclass(frozen=True)
@@ -30,7 +33,9 @@ class LimbTree:
     Attributes:
         parent: (n,) int32, ``parent[i] < i``; the root alone has -1.
         points: (n, 3) float32 [m], the root at the origin.
+        radius: (n,) float32 [m], as the pictures show it; NaN where they do not.
     """
 
     parent: NDArray[np.int32]
     points: NDArray[np.float32]
+    radius: NDArray[np.float32]

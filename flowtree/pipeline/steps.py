@@ -17,6 +17,7 @@ from flowtree.attraction.build_limb_field import build_limb_field
 from flowtree.attraction.lift_graphs import lift_graphs
 from flowtree.attraction.read_strokes import read_strokes
 from flowtree.attraction.trace_attractor_graph import trace_attractor_graph
+from flowtree.branches.bound_radii import bound_radii
 from flowtree.branches.build_skeleton import build_skeleton
 from flowtree.branches.da_vinci_radii import da_vinci_radii
 from flowtree.branches.fit_exponent import fit_exponent
@@ -226,10 +227,11 @@ def run_branches(
     params = job.params.thickness
     branches = build_skeleton(traces, limbs=limbs, params=job.params.branches)
     trunk = _agreed_radius([measure_trunk(m, c) for m, c in zip(mattes, cameras, strict=True)])
+    bounds = bound_radii(branches, limbs)
     if not leafy and params.exponent is None:
-        exponent = fit_exponent(branches, mattes, cameras, trunk_radius=trunk, params=params)
+        exponent = fit_exponent(branches, mattes, cameras, trunk_radius=trunk, bounds=bounds, params=params)
         params = params.model_copy(update={"exponent": exponent})
-    return da_vinci_radii(branches, trunk_radius=trunk, params=params)
+    return da_vinci_radii(branches, trunk_radius=trunk, bounds=bounds, params=params)
 
 
 def _agreed_radius(seen: list[float | None]) -> float | None:

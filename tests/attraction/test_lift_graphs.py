@@ -32,7 +32,9 @@ def limbs_of(*lines):
             parent.append(at)
             points.append(point)
             at = len(points) - 1
-    return LimbTree(np.array(parent, np.int32), np.array(points, np.float32))
+    return LimbTree(
+        np.array(parent, np.int32), np.array(points, np.float32), np.full(len(parent), np.nan, np.float32)
+    )
 
 
 TREE = limbs_of(

@@ -11,13 +11,13 @@ from tests.branches.traces import own_of, random_traces
 
 def random_limbs(seed, count):
     made = random_traces(seed, count)
-    return LimbTree(made.parent, made.points)
+    return LimbTree(made.parent, made.points, np.full(count, np.nan, np.float32))
 
 
 def stem(nodes=21):
     points = np.zeros((nodes, 3), np.float32)
     points[:, 1] = np.linspace(0, 1, nodes)
-    return LimbTree(np.arange(-1, nodes - 1, dtype=np.int32), points)
+    return LimbTree(np.arange(-1, nodes - 1, dtype=np.int32), points, np.full(nodes, np.nan, np.float32))
 
 
 @settings(max_examples=25, deadline=None)
