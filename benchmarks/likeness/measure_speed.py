@@ -8,13 +8,16 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from benchmarks.likeness.bench import Bench, Row, load_grey
 from benchmarks.likeness.draw_scribble import draw_scribble
 from benchmarks.watch_command import watch_command
 from flowtree.matting.extract_matte import extract_matte
+from flowtree.model.photo import Photo
 from flowtree.photos.load_photo import load_photo
 
 _WHOLE, _MATTE, _SCRIBBLE = 15.0, 4.0, 1.0  # [s]
@@ -42,10 +45,10 @@ def measure_speed(bench: Bench, names: Sequence[str]) -> list[Row]:
         command = ["reconstruct", *map(str, files), "--yaw", "0,90", "-o", output]
         watch_command(command)  # compiles, where that was not kept
         whole = min(watch_command(command).whole for _ in range(_ROUNDS))
-        load_photo(files[0])
         matte, (photo, alpha) = _timed(lambda: _cut_out(files[0], bench))
         nothing = np.zeros(alpha.shape, np.uint8)
-        scribbles = draw_scribble(alpha, load_grey(folder / "alpha_0.png"), nothing)
+        truth = cv2.resize(load_grey(folder / "alpha_0.png"), alpha.shape[::-1])
+        scribbles = draw_scribble(alpha, truth, nothing)
         mended = 0.0
         if scribbles is not None:
             mended, _ = _timed(lambda: extract_matte(photo, scribbles=scribbles, params=bench.params.matting))
@@ -56,7 +59,7 @@ def measure_speed(bench: Bench, names: Sequence[str]) -> list[Row]:
     ]
 
 
-def _cut_out(file: Path, bench: Bench):
+def _cut_out(file: Path, bench: Bench) -> tuple[Photo, NDArray[np.float32]]:
     photo = load_photo(file, params=bench.params.photos)
     return photo, extract_matte(photo, params=bench.params.matting).alpha
 

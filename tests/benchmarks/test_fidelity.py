@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from PIL import Image
 
 from benchmarks.__main__ import run
 from benchmarks.cases import read_report
-from benchmarks.likeness import measure_exact
+from benchmarks.likeness import measure_exact, measure_speed
 from benchmarks.measure_truth import HELD_OUT, INPUTS, find_faults, load_truth, measure_truth
+from benchmarks.watch_command import Watched
 from flowtree.errors import InputError
 from flowtree.geometry.projection import project
 from flowtree.meshing.sweep_rings import sweep_rings
@@ -40,16 +42,38 @@ def save_truth(folder: Path, *, size: tuple[int, int] = (160, 200), alpha: bool 
                 "foot_pixel": [size[0] / 2, size[1] - 6.0],
             }
         )
-    views.append({"file": "photo_0.jpg", "yaw": -4.4, "projection": "perspective"})
-    known = {"name": folder.name, "height": 6.0, "views": views}
+    for number in (0, 1):
+        drawn = draw_tree(number, size=size)
+        save_photo(drawn, folder / f"photo_{number}.jpg")
+        Image.fromarray(drawn[..., 3]).save(folder / f"alpha_{number}.png")
+        views.append({"file": f"photo_{number}.jpg", "yaw": 90 * number - 4.4, "projection": "perspective"})
+    stems = [[[0, 0, 0, 0.15], [0, 5, 0, 0.03]], [[0, 2, 0, 0.08], [1.5, 4, 0.5, 0.02]]]
+    known = {"name": folder.name, "height": 6.0, "leafy": False, "views": views, "stems": stems}
     (folder / "truth.json").write_text(json.dumps(known), encoding="utf-8")
     return folder
+
+
+def save_photo(drawn: NDArray[np.uint8], file: Path) -> None:
+    """The drawn tree before a blue sky."""
+    alpha = drawn[..., 3:] / 255.0
+    mixed = drawn[..., :3] * alpha + np.array([120.0, 170.0, 230.0]) * (1.0 - alpha)
+    Image.fromarray(np.rint(mixed).astype(np.uint8)).save(file, quality=95)
 
 
 @pytest.fixture(scope="module")
 def data(tmp_path_factory):
     folder = tmp_path_factory.mktemp("data")
     save_truth(folder / "truth" / "drawn")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pictures")
+    for name in ("cutouts", "photos"):
+        (folder / name).mkdir()
+    Image.fromarray(draw_tree(3)).save(folder / "cutouts" / "elm.png")
+    save_photo(draw_tree(4), folder / "photos" / "oak.jpg")
     return folder
 
 
@@ -93,6 +117,49 @@ def test_measures_draws_and_repeats_itself(data, tmp_path, capsys):
         assert all_round.width > all_round.height
     with pytest.raises(InputError):
         read_report(first)
+
+
+@pytest.mark.parametrize("part", ["mattes", "loose", "wood", "strokes", "hole", "seeds"])
+def test_every_part_of_known_trees_says_what_it_reached(data, part, tmp_path):
+    _run(data, part, "--json", str(tmp_path / "figures.json"), "-o", str(tmp_path))
+    rows = json.loads((tmp_path / "figures.json").read_text())["parts"][part]
+    assert any(row["asked"] is not None for row in rows)
+    for row in rows:
+        assert row["items"] == {} or all(name.startswith("drawn") for name in row["items"])
+        assert 0.0 <= row["reached"] <= 1.0
+        assert row["measure"] in (tmp_path / "fidelity.md").read_text()
+    assert (tmp_path / f"{part}_drawn.jpg").is_file() == (part in {"loose", "strokes", "hole"})
+
+
+@pytest.mark.parametrize(
+    ("part", "item", "sheet"), [("cutouts", "elm", "cutout"), ("photographs", "oak", "photo")]
+)
+def test_photographs_and_cutouts_become_trees_to_look_at(pictures, part, item, sheet, tmp_path):
+    _run(pictures, part, "--json", str(tmp_path / "figures.json"), "-o", str(tmp_path))
+    for row in json.loads((tmp_path / "figures.json").read_text())["parts"][part]:
+        assert all(name.startswith(item) for name in row["items"])
+    assert (tmp_path / f"{sheet}_{item}.jpg").is_file()
+
+
+def test_the_speed_is_that_of_whole_commands(data, tmp_path, monkeypatch):
+    ran = []
+
+    def watch(command):
+        ran.append(command)
+        for file in command[1:3]:
+            with Image.open(file) as photo:
+                assert photo.size == (320, 400)
+        return Watched(9.0 if len(ran) == 1 else 7.0, 1.0, 0.1)
+
+    monkeypatch.setattr(measure_speed, "watch_command", watch)
+    monkeypatch.setattr(measure_speed, "_LARGE", (320, 400))
+    monkeypatch.setattr(measure_speed, "_ROUNDS", 1)
+    _run(data, "speed", "--json", str(tmp_path / "figures.json"))
+    whole, matte, mended = json.loads((tmp_path / "figures.json").read_text())["parts"]["speed"]
+    assert whole["reached"] == 7.0, "the first run may compile"
+    assert matte["reached"] > 0
+    assert mended["reached"] > 0
+    assert whole["unit"] == "s"
 
 
 def test_a_mean_below_its_bound_is_a_failure(data, capsys):
