@@ -1,4 +1,4 @@
-"""Attractors: the 2D skeleton of a view (graph, drawn strokes, sketch), and the limbs of all views in space."""
+"""Attractors: the 2D skeleton of a view (graph, drawn strokes, sketch), and the limbs in space."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ class AttractorGraph:
     Attributes:
         parent: (n,) int32, ``parent[i] < i``; the root alone has -1.
         points: (n, 2) float32 [m].
-        half_width: (n,) float32 [m], of what the matte shows along the branches, NaN where a node is not in its
-            middle; None where nothing was measured.
+        half_width: (n,) float32 [m], of what the matte shows along the branches, NaN where a node is not in
+            its middle; None where nothing was measured.
     """
 
     parent: NDArray[np.int32]
