@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree import check
+from flowtree.matting.describe_pixels import describe_pixels
 from flowtree.matting.find_crown import Crown, find_crown
 from flowtree.matting.find_sky import FAR, NEAR, Sky, find_sky
 from flowtree.matting.fit_local_gaussian import fit_local_gaussian
-from flowtree.matting.label_tree import label_tree
+from flowtree.matting.label_tree import CERTAIN, label_tree
 from flowtree.matting.solve_alpha import KNOWN
 from flowtree.matting.trace_trunk import Trunk, trace_trunk
 
@@ -18,6 +19,7 @@ TREE, BACKGROUND, UNKNOWN = 1, 2, 3  # labels of scribbles
 _WEAK, _OPEN, _FIRM = 0.02, 0.01, 5.0  # confidences: an estimate, an edge of the trunk, almost certain
 _PICKED = 10.0  # colours this near to a picked one follow it [CIELAB]
 _REMEDY = "scribble on the tree and beside it, or pick their colours"
+_BELOW = 0.15  # how far below the horizon the crown's outline is trusted [heights]
 _NOISE = 3.0  # of tree and sky colours when a pixel is split between them [CIELAB]
 
 
@@ -54,17 +56,20 @@ def guess_alpha(
     texture = np.minimum(_deviation(lab, 2), 1.3 * _deviation(lab, 1))
     evidence = _evidence(lab, scribbles, tree_colors, other_colors)
     sky = find_sky(lab, texture, evidence < -3.0 if (evidence < -3.0).any() else None)
+    looks = describe_pixels(lab, texture, sky.mask, sky.distance)
     claimed = evidence > 3.0
     sky = Sky(sky.mask & ~claimed, np.where(claimed, 99.0, sky.distance).astype(np.float32), sky.colors)
     crown = find_crown((sky.distance > FAR) & ~sky.mask, sky.mask, claimed if claimed.any() else None)
     guessed = crown is None
     if crown is None:
         crown = _assume_centre(name, texture, sky)
-    tree = label_tree(rgb, lab, texture, sky.mask, crown, evidence, rounds=2)
+    tree = label_tree(looks, sky.mask, crown, evidence, below=0.0, rounds=2)
     trunk = trace_trunk(lab, tree > 0.5, centre=crown.centre, width=crown.width)
     if trunk is not None:
-        evidence = evidence + _beside_trunk(trunk, tree, crown)
-    tree = label_tree(rgb, lab, texture, sky.mask, crown, evidence, rounds=2)
+        said = np.abs(evidence) >= CERTAIN
+        evidence = np.where(said, evidence, evidence + _beside_trunk(trunk, tree, crown))
+    # Where the free trunk begins is known now: above it, the crown may be trusted to go on below the horizon.
+    tree = label_tree(looks, sky.mask, crown, evidence, below=_BELOW, rounds=2)
     check.require(
         not guessed or _differs(np.dstack([lab, texture]), tree),
         name,
@@ -108,8 +113,8 @@ def _evidence(
             away = np.min([np.linalg.norm(lab - color, axis=2) for color in colors], axis=0)
             evidence += np.float32(5.0 * sign) * np.exp(-((away / _PICKED) ** 2)).astype(np.float32)
     if scribbles is not None:
-        evidence[scribbles == TREE] = 8.0
-        evidence[scribbles == BACKGROUND] = -8.0
+        evidence[scribbles == TREE] = CERTAIN
+        evidence[scribbles == BACKGROUND] = -CERTAIN
     return evidence
 
 

@@ -2,79 +2,102 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
+from flowtree.matting.cut_regions import cut_regions
+from flowtree.matting.describe_pixels import Looks, count_colors, halve
 from flowtree.matting.find_crown import Crown
-from flowtree.matting.fit_local_gaussian import fit_local_gaussian
+from flowtree.matting.rate_likeness import Window, rate_likeness
 
-_BINS = (20, 30, 30, 8)  # L*, a*, b*, texture
-_LOW, _HIGH = np.array([0.0, -60.0, -60.0, 0.0]), np.array([100.0, 60.0, 60.0, 4.2])
-_NOISE = 4.0  # of local colours [CIELAB]: leaves differ by that much among themselves
+CERTAIN = 8.0  # log-odds of what the user said
+_NOISE, _TEXTURE_NOISE = 4.0, 0.2  # of local colours [CIELAB] and of the logarithm of texture
+_BORDER = 3.5  # price of a border [log-odds a pixel of half the size]
+_ROUNDS = 120  # of the cut
+_COLOUR, _SHARES, _TEXTURE = 2.5, 3.0, 2.0  # what colours here, colours at all and texture may say at most
+_TEXTURE_SAYS = 0.3
+_ENCLOSED = 2.0  # log-odds of a pixel with tree on all four sides; half of it on three
+_LEARNED = 0.5  # weight of what was labelled beside what was known
+_SPOKEN = 8.0  # weight of a scribbled pixel among those that teach a model
 
 
 def label_tree(
-    rgb: NDArray[np.uint8],
-    lab: NDArray[np.float32],
-    texture: NDArray[np.float32],
+    looks: Looks,
     sky: NDArray[np.bool_],
     crown: Crown,
     evidence: NDArray[np.float32],
     *,
+    below: float,
     rounds: int,
 ) -> NDArray[np.float32]:
     """Probability (h, w) that a pixel that is no sky belongs to the tree.
 
     The crown before the sky teaches what the tree looks like, the ground beside and below it what the rest
-    looks like: histograms of colour and texture for the whole picture and a Gaussian of the colours near
-    every pixel. The log-likelihood ratio is smoothed along edges (guided filter), joined with where a tree
-    can be (the outline of the crown continued downwards), and both models are learned again from the result.
+    looks like. What lies behind a tree is layered: a hedge, a lake or a road looks the same along its rows,
+    so the rest is looked for near the pixel, in its rows, and all over (`rate_likeness`). The log-odds of
+    colour and texture join with where a tree can be (the outline of the crown continued downwards), and a
+    minimal cut (`cut_regions`) finds the region, its border short and along edges. Both models are learned
+    again from the result. Ground that looks more like the crown than like other ground teaches little: the
+    tree may reach out further than its outline before the sky tells.
 
     Args:
-        rgb: (h, w, 3).
-        lab: (h, w, 3) CIELAB.
-        texture: (h, w) local deviation of the colours.
+        looks: of the picture.
         sky: (h, w).
         crown: what shows before the sky.
         evidence: (h, w) log-odds known beforehand: scribbles, picked colours, rows beside a visible trunk.
+        below: how far under the horizon the inside of the crown's outline is taken for tree [heights].
         rounds: how often the models are learned.
     """
-    height = sky.shape[0]
+    height, width = sky.shape
     solid = ~sky
-    hidden = np.arange(height)[:, None] > crown.horizon[None, :]
-    prior, outside = _place_prior(sky, crown)
-    prior += evidence
-    features = np.dstack([lab, np.log1p(cv2.blur(texture, (5, 5)))])
-    cell = ((features - _LOW) / (_HIGH - _LOW) * _BINS).astype(np.int64)
-    cells = np.ravel_multi_index(tuple(np.clip(cell, 0, np.array(_BINS) - 1).transpose(2, 0, 1)), _BINS)
-    tree = np.where(prior > 1.0, 1.0, 0.0) * solid
-    rest = np.where((outside & ~crown.core & (evidence < 1.0)) | (evidence < -1.0), 1.0, 0.0) * solid
-    probability = tree.astype(np.float32)
+    deep = np.arange(height)[:, None] - crown.horizon[None, :]
+    place, outside = _place_prior(sky, crown)
+    prior = place + evidence
+    taught = (prior > 1.0).astype(np.float32)
+    taught[(prior > 0.5) & (deep > 0.0) & (deep < below * height)] = 0.3
+    taught[evidence >= CERTAIN] = _SPOKEN
+    taught *= solid
+    other = (((outside & ~crown.core & (evidence < 1.0)) | (evidence < -1.0)) & solid).astype(np.float32)
+    alike = _shares_ratio(looks, taught * looks.unmixed, other)
+    other = np.where(evidence < -1.0, other, other / (1.0 + np.exp(alike))).astype(np.float32)
+    other[(evidence <= -CERTAIN) & solid] = _SPOKEN
+    share, coarse_prior = halve(solid), halve(prior)
+    size, line = float(max(share.shape)), float(share.shape[0])
+    near, wide = Window(0.06 * size, 0.06 * size, 1.0), Window(0.16 * size, 0.16 * size, 0.3)
+    rows = Window(0.35 * share.shape[1], 0.02 * line, 1.0)
+    hidden = deep > 0.0
+    tree, rest = taught, other
+    label = np.zeros_like(share)
     for _ in range(rounds):
-        ratio: NDArray[Any] = 1.5 * _colour_ratio(lab, cells, tree, rest)
-        ratio = np.where(solid, ratio, 0.0).astype(np.float32)
-        ratio = cv2.ximgproc.guidedFilter(rgb, ratio, max(2, round(0.012 * height)), 50.0)
-        ratio = cv2.GaussianBlur(ratio, (0, 0), 0.008 * height)
-        probability = (1.0 / (1.0 + np.exp(-np.clip(ratio + prior, -20.0, 20.0)))).astype(np.float32)
-        probability[sky] = 0.0
-        probability = _close_holes(_keep_connected(probability, crown.core), solid & hidden)
-        tree = np.where(probability > 0.6, probability, 0.0) * solid
-        rest = np.where(probability < 0.1, 1.0 - probability, 0.0) * solid
-    return probability
+        colour = rate_likeness(looks.color, halve(tree * looks.unmixed), (near, wide), noise=_NOISE)
+        colour -= rate_likeness(looks.color, halve(rest * looks.unmixed), (near, rows, wide), noise=_NOISE)
+        shares = _shares_ratio(looks, tree * looks.unmixed, rest * looks.unmixed)
+        shares = halve(np.clip(shares, -_SHARES, _SHARES) * looks.unmixed) / halve(looks.unmixed)
+        odds = np.clip(colour, -_COLOUR, _COLOUR) + shares
+        odds += _TEXTURE_SAYS * _texture_odds(looks, tree * hidden, rest, wide, (near, rows, wide))
+        odds = odds * share + coarse_prior
+        odds = odds + _enclosed(label)
+        odds = np.where(share < 0.3, 0.0, np.clip(odds, -6.0, 6.0)).astype(np.float32)
+        label = cut_regions(odds, _BORDER * looks.cost_right, _BORDER * looks.cost_down, rounds=_ROUNDS)
+        full = cv2.resize(label, (width, height))
+        tree = np.maximum(_LEARNED * np.where(full > 0.6, full, 0.0), taught * (full > 0.3)) * solid
+        rest = np.maximum(_LEARNED * np.where(full < 0.1, 1.0 - full, 0.0), other * (full < 0.7)) * solid
+        tree, rest = tree.astype(np.float32), rest.astype(np.float32)
+    probability: NDArray[np.float32] = cv2.resize(label, (width, height)).astype(np.float32)
+    probability[sky] = 0.0
+    return _close_holes(_keep_connected(probability, crown.core), solid & hidden)
 
 
 def _place_prior(sky: NDArray[np.bool_], crown: Crown) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
     """Log-odds from the place alone, and the ground that no crown reaches."""
     height, width = sky.shape
     rows, columns = np.mgrid[:height, :width].astype(np.float32)
-    inside = np.minimum(columns - crown.left[:, None], crown.right[:, None] - columns)
+    inside = np.minimum(columns - crown.left[:, None], crown.right[:, None] - columns) / crown.width
     depth = (rows - crown.horizon[None, :]) / height
-    prior = np.clip(inside / (0.1 * crown.width), -3.0, 0.8)
-    prior = prior - np.clip(depth / 0.3 - 0.1, 0.0, 3.0)
+    # The deeper below the horizon, the vaguer is what the outline above it foretells.
+    prior = np.clip(inside / (0.1 + 0.3 * np.maximum(depth, 0.0)), -3.0, 0.8)
+    prior = prior - 0.4 * np.clip(depth / 0.3 - 0.1, 0.0, 3.0)
     prior -= 3.0 * (rows > 0.93 * height)
     # What stands before the sky far from the middle may be a neighbour that touches the crown.
     central = np.exp(-(((columns - crown.centre) / (0.6 * crown.width)) ** 2))
@@ -82,31 +105,45 @@ def _place_prior(sky: NDArray[np.bool_], crown: Crown) -> tuple[NDArray[np.float
     other = ~sky & (depth < -0.03) & ~crown.core
     prior[other] = np.minimum(prior[other], -1.0)
     place: NDArray[np.float32] = prior.astype(np.float32)
-    outside = (depth > 0.0) & ((inside < -0.25 * crown.width) | (rows > 0.9 * height))
+    outside = (depth > 0.0) & ((inside < -0.25) | (rows > 0.9 * height))
     return place, outside
 
 
-def _colour_ratio(
-    lab: NDArray[np.float32], cells: NDArray[np.int64], tree: NDArray[np.float64], rest: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Log-likelihood ratio of the colours: histograms of the whole picture and Gaussians near the pixel."""
-    least = 1e-5
-    share = [_histogram(cells, weight)[cells] + least for weight in (tree, rest)]
-    ratio = np.clip(np.log(share[0] / share[1]), -3.0, 3.0)
-    likelihood = []
-    for weight in (tree, rest):
-        near = fit_local_gaussian(lab, weight.astype(np.float32))
-        spread = near.log_determinant(_NOISE)
-        likelihood.append(-0.5 * (near.distance(lab, _NOISE) ** 2 + spread))
-    total: NDArray[np.float64] = ratio + 0.5 * np.clip(likelihood[0] - likelihood[1], -4.0, 4.0)
-    return total
+def _shares_ratio(looks: Looks, tree: NDArray[np.float32], rest: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Log-ratio (h, w) of the colours' shares in the whole picture."""
+    least = np.float32(1e-5)
+    ratio = np.log((count_colors(looks.cells, tree) + least) / (count_colors(looks.cells, rest) + least))
+    spread: NDArray[np.float32] = ratio[looks.cells]
+    return spread
 
 
-def _histogram(cells: NDArray[np.int64], weight: NDArray[np.float64]) -> NDArray[np.float64]:
-    counts = np.bincount(cells.ravel(), weight.ravel(), int(np.prod(_BINS))).reshape(_BINS)
-    smooth = ndimage.gaussian_filter(counts, (1.0, 1.2, 1.2, 0.7), mode="nearest")
-    flat: NDArray[np.float64] = smooth.ravel() / max(float(smooth.sum()), 1e-9)
-    return flat
+def _texture_odds(
+    looks: Looks,
+    tree: NDArray[np.float32],
+    rest: NDArray[np.float32],
+    wide: Window,
+    windows: tuple[Window, ...],
+) -> NDArray[np.float32]:
+    """Log-odds (r, c) from the roughness; nothing where sky is near, for there all is rough."""
+    texture, some = looks.texture[..., None], np.float32(1e-3)
+    odds = rate_likeness(texture, (halve(tree) + some) * looks.clear, (wide,), noise=_TEXTURE_NOISE)
+    odds -= rate_likeness(texture, (halve(rest) + some) * looks.clear, windows, noise=_TEXTURE_NOISE)
+    return np.clip(odds, -_TEXTURE, _TEXTURE) * looks.clear
+
+
+def _enclosed(label: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Log-odds (r, c) for pixels that have tree above, below, left and right of them."""
+    tree = label > 0.5
+    sides = sum(
+        (
+            np.maximum.accumulate(tree, axis=1).astype(np.int8),
+            np.maximum.accumulate(tree[:, ::-1], axis=1)[:, ::-1],
+            np.maximum.accumulate(tree, axis=0),
+            np.maximum.accumulate(tree[::-1], axis=0)[::-1],
+        )
+    )
+    odds: NDArray[np.float32] = np.select([sides == 4, sides == 3], [_ENCLOSED, 0.5 * _ENCLOSED], 0.0)
+    return odds.astype(np.float32)
 
 
 def _keep_connected(probability: NDArray[np.float32], core: NDArray[np.bool_]) -> NDArray[np.float32]:
