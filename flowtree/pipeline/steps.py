@@ -14,6 +14,7 @@ from flowtree import check
 from flowtree.attraction.bend_direction_field import bend_direction_field
 from flowtree.attraction.build_direction_field import build_direction_field
 from flowtree.attraction.build_limb_field import build_limb_field
+from flowtree.attraction.clear_painted import clear_painted, fade_painted
 from flowtree.attraction.lift_graphs import lift_graphs
 from flowtree.attraction.read_strokes import read_strokes
 from flowtree.attraction.trace_attractor_graph import trace_attractor_graph
@@ -189,11 +190,15 @@ def run_attraction(
 
 
 def run_limbs(
-    job: Job, graphs: tuple[AttractorGraph, ...], cameras: tuple[Camera, ...], volume: DensityVolume
+    job: Job,
+    graphs: tuple[AttractorGraph, ...],
+    cameras: tuple[Camera, ...],
+    volume: DensityVolume,
+    edits: tuple[PaintedEdit, ...],
 ) -> LimbTree:
-    """The limbs in space that look like the graphs in all views."""
+    """The limbs in space that look like the graphs in all views, but where another direction is painted."""
     del job
-    return lift_graphs(graphs, [camera.yaw for camera in cameras], volume)
+    return clear_painted(lift_graphs(graphs, [camera.yaw for camera in cameras], volume), cameras, edits)
 
 
 def run_fields(job: Job, graph: AttractorGraph, camera: Camera, edit: PaintedEdit) -> DirectionField:
@@ -202,9 +207,15 @@ def run_fields(job: Job, graph: AttractorGraph, camera: Camera, edit: PaintedEdi
     return bend_direction_field(field, camera, edit)
 
 
-def run_limb_field(job: Job, limbs: LimbTree, volume: DensityVolume) -> LimbField:
-    """The direction field in space around the limbs."""
-    return build_limb_field(limbs, volume, params=job.params.field)
+def run_limb_field(
+    job: Job,
+    limbs: LimbTree,
+    volume: DensityVolume,
+    cameras: tuple[Camera, ...],
+    edits: tuple[PaintedEdit, ...],
+) -> LimbField:
+    """The direction field in space around the limbs, but where another direction is painted."""
+    return fade_painted(build_limb_field(limbs, volume, params=job.params.field), cameras, edits)
 
 
 def run_flow(

@@ -93,7 +93,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="limbs",
         run=steps.run_limbs,
-        inputs=("graphs", "cameras", "volume"),
+        inputs=("graphs", "cameras", "volume", "edits"),
         outputs=("limbs",),
         share=0.2,
     ),
@@ -110,7 +110,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="limb field",
         run=steps.run_limb_field,
-        inputs=("limbs", "volume"),
+        inputs=("limbs", "volume", "cameras", "edits"),
         outputs=("limb_field",),
         params=("field",),
         share=0.1,
