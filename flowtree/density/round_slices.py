@@ -13,7 +13,7 @@ from flowtree.geometry.projection import view_axes
 
 _SMOOTH = 0.125  # of the height: standard deviation over which heights share their profile
 _KNOTS = 3  # heights per standard deviation at which profiles are computed; between them they are linear
-_ROUNDS = 20  # of the inversion: more only fit noise
+_ROUNDS = 10  # of the inversion: more turn noise near the axis into rings
 _STEADY = 0.01  # pull of the axis to the foot's: matters only where all views look the same way
 _FLOOR = 1e-6  # of a profile's largest value: nothing is impossible
 

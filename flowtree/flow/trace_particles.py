@@ -88,7 +88,7 @@ def trace_particles(
         fields, route_to_foot(volume, limbs), pull=params.basis_pull, basin=_BASIN * height, device=where
     )
     clock = _Clock(flow, 2 * params.step * height, arrival, int(2 / params.step), where, threads)
-    start_time = clock.time(start)
+    start_time = _in_whole_steps(clock.time(start), params.step * height)
     record = flow_particles(
         start,
         flow,
@@ -125,6 +125,17 @@ def _forces(params: FlowParams, height: float, count: int) -> FlowForces:
     forces.limbs = 1
     forces.pace = params.pace / height
     return forces
+
+
+def _in_whole_steps(times: NDArray[np.float32], step: float) -> NDArray[np.float32]:
+    """The times with the longest rounded up to whole steps.
+
+    It says when all others set off. If another particle has it, all others shift by whole steps and flow as
+    they did.
+    """
+    longest = int(np.argmax(times))
+    times[longest] = np.ceil(float(times[longest]) / step - 1e-3) * step
+    return times
 
 
 class _Clock:
