@@ -227,13 +227,14 @@ class TwigParams(StageParams):
     curl: float = _number(0.1, "how far a twig's tip leaves the straight line", ge=0, le=1, unit="lengths")
     side_twigs: int = _number(4, "side twigs on a twig of a bare tree", ge=0, le=12)
     radius: float = _number(0.0005, "radius at the base", gt=0, le=0.01, unit="tree heights")
-    thickest: float = _number(
-        2.0,
-        "factor by which the twigs of a bare tree may be thickened to reach the matte's alpha",
-        ge=1,
-        le=10,
-    )
     bearing_particles: int = _number(24, "branches of more particles bear no twigs", ge=1, le=1_000_000)
+    turn: float = _number(
+        20.0,
+        "how far thin branches of a bare tree are turned, about each axis, to where the mattes show wood",
+        ge=0,
+        le=90,
+        unit="degrees",
+    )
 
 
 class MeshingParams(StageParams):
@@ -269,7 +270,7 @@ class LeafParams(StageParams):
     )
     amount: float = _number(1.0, "factor to the optical depth that the mattes ask for", ge=0, le=4)
     most: int = _number(24000, "leaves at most", ge=1, le=2_000_000)
-    choice: float = _number(3.0, "places looked at for each leaf", ge=1, le=20)
+    choice: float = _number(10.0, "places looked at for each leaf", ge=1, le=20)
     densest: float = _number(12.0, "places at most along a leaf's length of twig", ge=1, le=100)
     divergence: float = _number(
         137.5, "angle around the twig from leaf to leaf; 90 and 180 occur too", ge=0, le=360, unit="degrees"

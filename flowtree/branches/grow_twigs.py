@@ -8,15 +8,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
 from flowtree.branches.order_branches import order_branches
 from flowtree.branches.shape_twigs import TwigShapes, shape_twigs
+from flowtree.geometry.choose_cover import choose_cover
+from flowtree.geometry.cover_canvas import CELLS, RING, CoverCanvas, lay_canvas
+from flowtree.geometry.footprint_means import optical_depth
 from flowtree.geometry.frames import side_axes, unit
-from flowtree.geometry.match_depths import draw_shares, match_depths
-from flowtree.geometry.morton import morton_order
 from flowtree.geometry.parent_array import parents_first, sum_before
-from flowtree.geometry.plane_grid import PlaneGrid, narrow_rows, seen_depth
-from flowtree.geometry.segment_depth import rods_depth, segment_depth
+from flowtree.geometry.place_chance import place_chance
+from flowtree.geometry.place_code import place_code
+from flowtree.geometry.plane_grid import narrow_rows
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 from flowtree.model.skeleton import Skeleton
@@ -24,11 +27,16 @@ from flowtree.model.volume import DensityVolume
 from flowtree.params import TwigParams
 
 _SHAPES = 16  # different twigs; more would not be told apart
-_STEM = 3.0  # rows no wider than this many radii of the trunk show the stem alone: no twig grows there
-_DENSEST = 2.5  # optical depth that twigs alone can have
-_FULL = 0.25  # depth over the whole view, in squared heights, of a crown that is given all twigs
+_FULL = 0.4  # optical depth over the whole view, in squared heights, of a crown that is given all twigs
+_SHEATH = 0.1  # of its length, the radius of the leaves around a twig
+_BARE = 5.0  # times as many places on a bare tree, where every twig is seen
 _SLIMMER = 0.8  # times its branch's radius, a twig's at most
-_CELLS = 64  # along the height, of the grids on which the twigs are chosen
+_WORTH = 0.03  # alpha that must be missing where a twig would stand, in the mean over it
+_OPEN = 0.9  # of the leaves around a twig at most
+_STEM = 3.0  # rows no wider than this many radii of the trunk show the stem alone: no twig grows there
+_BATCHES = 16
+_STREAMS = 8  # random numbers of a place
+_COUNT, _TURN, _LEAN, _LENGTH, _SHAPE, _BATCH, _CHANCE = range(7)
 
 
 def grow_twigs(
@@ -37,6 +45,7 @@ def grow_twigs(
     mattes: Sequence[Matte],
     cameras: Sequence[Camera],
     *,
+    height: float | None = None,
     leafy: bool = True,
     params: TwigParams = TwigParams(),
     seed: int = 0,
@@ -44,19 +53,21 @@ def grow_twigs(
     """Adds twigs to the thin branches, where and as many as the mattes ask for.
 
     The paper places them by rule alone, and lets the user set length, rigidity and frequency; here the rule
-    offers places, and the mattes choose among them.
+    offers many more places than are needed, and the mattes choose among them.
 
     Twigs leave their branch at ``params.angle`` and turn around it by ``params.divergence`` from one to the
     next (the Golden Section rule of section 8 with 137.5 degrees); plagiotropism bends them toward the
-    horizontal, and what is not rigid hangs. Of all possible places those are taken that together, with the
-    wood that is already there, give every matte its optical depth: on a bare tree by the twigs' own width, on
-    a leafy one by the leaves that they will bear.
+    horizontal, and what is not rigid hangs. Of all possible places those are taken with which the tree's
+    alpha comes nearest to every matte's (see `choose_cover`): on a bare tree with the twigs' own width, on a
+    leafy one with that of the leaves that they will bear. A place draws its own random numbers, so that a
+    change in one part of a matte leaves the twigs elsewhere as they were.
 
     Args:
         skeleton: branches with radii.
-        volume: no twig ends where it is empty; its height is the tree's.
+        volume: no twig ends where it is empty.
         mattes: one a view.
         cameras: theirs.
+        height: of the tree [m]; None takes the volume's.
         leafy: whether the tree bears leaves.
         params: length, angle, frequency and so on.
         seed: of the places and bends.
@@ -64,41 +75,28 @@ def grow_twigs(
     Returns: the skeleton with the twigs' nodes, marked in ``twig``; no twig is thicker than its branch. The
         same skeleton where there is no place for any.
     """
-    height = volume.voxel * volume.density.shape[1]
-    random = np.random.default_rng(seed)
+    height = height or volume.voxel * volume.density.shape[1]
     side_twigs = 0 if leafy else params.side_twigs
     length = height * (params.length if leafy else params.bare_length)
+    random = np.random.default_rng(seed)
     shapes = shape_twigs(_SHAPES, side_twigs=side_twigs, angle=params.angle, curl=params.curl, random=random)
-    twigs = _find_places(skeleton, shapes, params, height, length, random)
+    twigs = _find_places(skeleton, shapes, params, height, length, 1.0 if leafy else _BARE, seed)
     twigs = twigs.take(_inside(twigs.points[:, 2], volume))
-    if not len(twigs.node):
+    canvases = [_stand(m, c, skeleton, height) for m, c in zip(mattes, cameras, strict=True)]
+    for canvas in canvases:
+        twigs = twigs.take(_worth(canvas, twigs.points[:, :3]) > _WORTH)
+    if not len(twigs.node) or params.most == 0:
         return skeleton
-    matrices, targets = [], []
-    for matte, camera in zip(mattes, cameras, strict=True):
-        grid, wanted = seen_depth(matte.alpha, camera, cell=height / _CELLS)
-        wood = rods_depth(grid, skeleton.parent, skeleton.points, skeleton.radius)
-        # Twigs are lace: what is denser than this is limbs, and no number of twigs makes a limb.
-        room = np.maximum(np.minimum(wanted, _DENSEST) - wood, 0.0)
-        stem = narrow_rows(grid, wanted, _STEM * float(skeleton.radius[0]))
-        targets.append(np.where(stem, 0.0, room))
-        matrices.append(_twig_depth(grid, skeleton, shapes, twigs))
-    crown = float(np.mean([t.sum() for t in targets])) / _CELLS**2  # of a full one about the height squared
-    aim = params.most * min(crown / _FULL, 1.0)
-    start = np.full(len(twigs.node), min(aim / len(twigs.node), 1.0))
-    offered = sum(float((m @ start).sum()) for m in matrices)
-    missing = sum(float(t.sum()) for t in targets) / max(offered, 1e-9)
-    if leafy:  # a twig stands for the leaves on it: as many as aimed at make up for all leaves
-        matrices = [m * missing for m in matrices]
-    else:  # a few more twigs than aimed at, and somewhat thicker ones, rather than several times as many
-        thicker = twigs.radius * float(np.clip(missing, 1.0, params.thickest))
-        radius = np.minimum(thicker, _SLIMMER * skeleton.radius[twigs.node])
-        gain = radius / np.maximum(twigs.radius, 1e-12)
-        matrices = [sparse.csr_array(m @ sparse.diags_array(gain)) for m in matrices]
-        twigs = replace(twigs, radius=radius)
-    shares = match_depths(matrices, targets, start)
-    order = morton_order(skeleton.points[twigs.node])
-    chosen = np.zeros(len(shares), np.bool_)
-    chosen[order] = draw_shares(shares[order], seed=seed)
+    sheath, share = None, 1.0
+    if leafy:
+        sheath = _SHEATH * length
+        share = min(_FULL * height**2 / params.most / (2 * sheath * length), _OPEN)
+    covers = [_covers(c, skeleton, shapes, twigs, sheath=sheath, share=share) for c in canvases]
+    batch = (_BATCHES * place_chance(twigs.code, seed, twigs.number + _BATCH)).astype(np.int64)
+    chance = place_chance(twigs.code, seed, twigs.number + _CHANCE)
+    chosen = choose_cover(canvases, covers, batch=batch, chance=chance)
+    if leafy and chosen.sum() > params.most:  # the leaves of a dense crown need no more
+        chosen &= chance <= np.partition(chance[chosen], params.most - 1)[params.most - 1]
     return _append(skeleton, shapes, twigs.take(chosen))
 
 
@@ -110,14 +108,20 @@ class _Twigs:
         node: (m,) the skeleton's node that each grows from.
         points: (m, n, 3) [m], world.
         radius: (m,) at the base [m].
+        code: (m,) of the place, for its random numbers.
+        number: (m,) the first of them.
     """
 
     node: NDArray[np.int64]
     points: NDArray[np.float64]
     radius: NDArray[np.float64]
+    code: NDArray[np.int64]
+    number: NDArray[np.int64]
 
     def take(self, which: NDArray[np.bool_]) -> _Twigs:
-        return _Twigs(self.node[which], self.points[which], self.radius[which])
+        return _Twigs(
+            self.node[which], self.points[which], self.radius[which], self.code[which], self.number[which]
+        )
 
 
 def _find_places(
@@ -126,31 +130,40 @@ def _find_places(
     params: TwigParams,
     height: float,
     mean_length: float,
-    random: np.random.Generator,
+    often: float,
+    seed: int,
 ) -> _Twigs:
     """All twigs on branches thin enough to bear them, in phyllotactic order along each branch."""
     parent = skeleton.parent
     bears = (parent >= 0) & (skeleton.particles <= params.bearing_particles) & ~skeleton.twig
     segment = skeleton.points.astype(np.float64) - skeleton.points[np.maximum(parent, 0)]
-    wanted = np.linalg.norm(segment, axis=1) * params.frequency / height * bears
-    count = np.floor(wanted + random.random(len(parent))).astype(int)
+    codes = place_code(skeleton.points, height)
+    wanted = np.linalg.norm(segment, axis=1) * often * params.frequency / height * bears
+    count = np.floor(wanted + place_chance(codes, seed, _COUNT)).astype(np.int64)
     before = sum_before(parent, count)  # the spiral goes on over the nodes
     node = np.repeat(np.arange(len(parent)), count)
-    number = np.arange(len(node)) - np.repeat(np.cumsum(count) - count, count) + before[node]
+    index = np.arange(len(node)) - np.repeat(np.cumsum(count) - count, count)
+    code, number = codes[node], (1 + index) * _STREAMS
+
+    def between(low: float, high: float, stream: int) -> NDArray[np.float64]:
+        return low + (high - low) * place_chance(code, seed, number + stream)
+
     axis = unit(segment[node])
     first, second = side_axes(axis)
-    turn = np.radians(number * params.divergence + random.normal(0.0, 12.0, len(node)))[:, None]
-    lean = np.radians(params.angle * random.uniform(0.7, 1.2, len(node)))[:, None]
+    jitter = 12.0 * ndtri(between(1e-9, 1.0 - 1e-9, _TURN))
+    turn = np.radians((index + before[node]) * params.divergence + jitter)[:, None]
+    lean = np.radians(params.angle * between(0.7, 1.2, _LEAN))[:, None]
     along = np.cos(lean) * axis + np.sin(lean) * (np.cos(turn) * first + np.sin(turn) * second)
     level = unit(along * np.array([1.0, 1.0 - params.plagiotropism, 1.0]))
     along = np.where(level.any(axis=1, keepdims=True), level, along)  # what stands upright bends nowhere
     over, aside = side_axes(along)
-    length = mean_length * random.uniform(0.55, 1.3, len(node))
-    shape = shapes.points[random.integers(0, _SHAPES, len(node))] * length[:, None, None]
+    length = mean_length * between(0.4, 1.45, _LENGTH)
+    which = np.minimum(between(0.0, _SHAPES, _SHAPE).astype(np.int64), _SHAPES - 1)
+    shape = shapes.points[which] * length[:, None, None]
     points = shape @ np.stack([-aside, along, over], axis=1)
     points[..., 1] -= (1.0 - params.rigidity) * shape[..., 1] ** 2 / length[:, None]
     radius = np.minimum(params.radius * height, _SLIMMER * skeleton.radius[node])
-    return _Twigs(node, points + skeleton.points[node, None], radius)
+    return _Twigs(node, points + skeleton.points[node, None], radius, code, number)
 
 
 def _inside(points: NDArray[np.float64], volume: DensityVolume) -> NDArray[np.bool_]:
@@ -161,16 +174,43 @@ def _inside(points: NDArray[np.float64], volume: DensityVolume) -> NDArray[np.bo
     return np.asarray(within & (volume.density[tuple(np.clip(voxel, 0, last).T)] > 0))
 
 
-def _twig_depth(grid: PlaneGrid, skeleton: Skeleton, shapes: TwigShapes, twigs: _Twigs) -> sparse.csr_array:
-    """Optical depth that each twig gives each cell of a view: (cells, m)."""
+def _worth(canvas: CoverCanvas, points: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Alpha that is missing in the mean over each twig's points (m, k, 3)."""
+    flat = canvas.flat(points.reshape(-1, 3))
+    missing = canvas.spread(canvas.missing())[canvas.index(flat[:, 0], flat[:, 1])]
+    return np.asarray(missing.reshape(points.shape[:2]).mean(axis=1), np.float32)
+
+
+def _stand(matte: Matte, camera: Camera, skeleton: Skeleton, height: float) -> CoverCanvas:
+    """A view's canvas with the branches; rows that show the stem alone want no more than that."""
+    canvas = lay_canvas(matte.alpha, matte.unknown, camera, cell=height / CELLS)
+    canvas = canvas.with_tree(skeleton.parent, skeleton.points, skeleton.radius)
+    depth = optical_depth(canvas.wanted.astype(np.float64)).ravel()
+    stem = narrow_rows(canvas.grid, depth, _STEM * float(skeleton.radius[0])).reshape(canvas.wanted.shape)
+    wanted = np.where(stem, np.minimum(canvas.wanted, canvas.shown()), canvas.wanted)
+    return replace(canvas, wanted=wanted)
+
+
+def _covers(
+    canvas: CoverCanvas,
+    skeleton: Skeleton,
+    shapes: TwigShapes,
+    twigs: _Twigs,
+    *,
+    sheath: float | None,
+    share: float,
+) -> sparse.csr_array:
+    """What each twig, or the ``sheath`` [m] of leaves around it, covers of a view: (m, pixels + 1)."""
     count, nodes = len(twigs.node), len(shapes.parent)
     base = skeleton.points[twigs.node].astype(np.float64)[:, None]
-    start = np.concatenate([base, twigs.points], axis=1)[:, shapes.parent + 1]
-    radius = twigs.radius[:, None] * shapes.thickness
-    which = np.repeat(np.arange(count), nodes)
-    return segment_depth(
-        grid, start.reshape(-1, 3), twigs.points.reshape(-1, 3), radius.ravel(), which, count
-    )
+    start = np.concatenate([base, twigs.points], axis=1)[:, shapes.parent + 1].reshape(-1, 3)
+    radius = RING * twigs.radius[:, None] * shapes.thickness
+    if sheath is not None:
+        radius = np.full_like(radius, sheath)
+    things = np.repeat(np.arange(count), nodes)
+    covers = canvas.rod_covers(start, twigs.points.reshape(-1, 3), radius.ravel(), things, count)
+    covers.data *= np.float32(share)
+    return covers
 
 
 def _append(skeleton: Skeleton, shapes: TwigShapes, twigs: _Twigs) -> Skeleton:

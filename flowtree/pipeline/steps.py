@@ -24,6 +24,7 @@ from flowtree.branches.da_vinci_radii import da_vinci_radii
 from flowtree.branches.fit_exponent import fit_exponent
 from flowtree.branches.grow_twigs import grow_twigs
 from flowtree.branches.measure_trunk import measure_trunk
+from flowtree.branches.turn_twigs import turn_twigs
 from flowtree.density.solve_density import solve_density
 from flowtree.flow.trace_particles import trace_particles
 from flowtree.foliage.place_leaves import place_leaves
@@ -269,10 +270,15 @@ def run_twigs(
     mattes: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
     leafy: bool,
+    heights: tuple[float, ...],
 ) -> Skeleton:
-    """The skeleton with twigs."""
-    params = job.params.twigs
-    return grow_twigs(branches, volume, mattes, cameras, leafy=leafy, params=params, seed=job.seed)
+    """The skeleton with twigs; of a bare tree the thin branches are turned to where the mattes show them."""
+    params, height = job.params.twigs, heights[0]
+    if not leafy:
+        branches = turn_twigs(branches, mattes, cameras, height=height, params=params, seed=job.seed)
+    return grow_twigs(
+        branches, volume, mattes, cameras, height=height, leafy=leafy, params=params, seed=job.seed
+    )
 
 
 def run_meshing(job: Job, skeleton: Skeleton) -> TreeMesh:
@@ -301,13 +307,15 @@ def run_foliage(
     mattes: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
     leafy: bool,
+    heights: tuple[float, ...],
     picture: Path | None,
 ) -> Foliage | None:
     """The leaves, if the tree has any; their picture is an input so that a new one makes new leaves."""
     del picture
     if not leafy:
         return None
-    return place_leaves(skeleton, volume, mattes, cameras, params=job.params.leaves, seed=job.seed)
+    params = job.params.leaves
+    return place_leaves(skeleton, volume, mattes, cameras, height=heights[0], params=params, seed=job.seed)
 
 
 def run_assembly(

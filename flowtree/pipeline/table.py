@@ -136,7 +136,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="twigs",
         run=steps.run_twigs,
-        inputs=("branches", "volume", "mattes", "cameras", "leafy"),
+        inputs=("branches", "volume", "mattes", "cameras", "leafy", "height"),
         outputs=("skeleton",),
         params=("twigs",),
         seeded=True,
@@ -163,7 +163,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="foliage",
         run=steps.run_foliage,
-        inputs=("skeleton", "volume", "mattes", "cameras", "leafy", "leaf_source"),
+        inputs=("skeleton", "volume", "mattes", "cameras", "leafy", "height", "leaf_source"),
         outputs=("foliage",),
         params=("leaves",),
         seeded=True,

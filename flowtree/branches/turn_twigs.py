@@ -1,0 +1,165 @@
+"""Turns the thin branches of a bare tree to where the mattes show wood."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+from scipy.special import ndtri
+
+from flowtree.geometry.choose_cover import choose_poses
+from flowtree.geometry.cover_canvas import CELLS, RING, lay_canvas
+from flowtree.geometry.parent_array import levels
+from flowtree.geometry.place_chance import place_chance
+from flowtree.geometry.place_code import place_code
+from flowtree.model.camera import Camera
+from flowtree.model.matte import Matte
+from flowtree.model.skeleton import Skeleton
+from flowtree.params import TwigParams
+
+_SIZES = (16, 4, 1)  # particles of what is turned as one, at most: first sprays, then what they are made of
+_POSES = 12
+_SHORTEST, _LONGEST = 0.7, 1.25  # factors to the length
+_CONTENTED = 0.5  # share of the best pose's merit with which a branch stays as the flow left it
+_BATCHES = 8
+_STREAMS = 8  # random numbers of a pose
+
+
+def turn_twigs(
+    skeleton: Skeleton,
+    mattes: Sequence[Matte],
+    cameras: Sequence[Camera],
+    *,
+    height: float,
+    params: TwigParams = TwigParams(),
+    seed: int = 0,
+) -> Skeleton:
+    """Turns, stretches or drops thin branches until the wood comes near each matte's alpha.
+
+    The paper leaves the branches where the particles ran; the flow knows the crown's density in voxels, and
+    of a bare tree the mattes show every branch. Sprays of few particles may turn a little about the fork that
+    they grow from, first large ones as a whole, then the small ones that they are made of. Several poses of
+    each are drawn, and `choose_poses` takes those with which the alpha of all wood comes nearest to the
+    mattes'. A spray that does well where it is stays there; one that does harm in every pose goes.
+
+    Args:
+        skeleton: branches with radii.
+        mattes: one a view.
+        cameras: theirs.
+        height: of the tree [m].
+        params: how far a spray may turn.
+        seed: of the poses.
+
+    Returns: the skeleton with moved nodes, without those of dropped sprays; radii stay.
+    """
+    if params.turn == 0.0:
+        return skeleton
+    for size in _SIZES:
+        skeleton = _turn_sprays(skeleton, size, mattes, cameras, height, params, seed)
+    return skeleton
+
+
+@dataclass(frozen=True)
+class _Sprays:
+    """What is turned, each spray's nodes one after the other.
+
+    Attributes:
+        node: (k,) nodes.
+        spray: (k,) the spray that each belongs to, ascending.
+        pivot: (m,) the node that each spray grows from.
+    """
+
+    node: NDArray[np.int64]
+    spray: NDArray[np.int64]
+    pivot: NDArray[np.int64]
+
+
+def _turn_sprays(
+    skeleton: Skeleton,
+    size: int,
+    mattes: Sequence[Matte],
+    cameras: Sequence[Camera],
+    height: float,
+    params: TwigParams,
+    seed: int,
+) -> Skeleton:
+    """One round: sprays of at most ``size`` particles."""
+    sprays = _find_sprays(skeleton, size)
+    count = len(sprays.pivot)
+    if not count:
+        return skeleton
+    parent, points = skeleton.parent, skeleton.points.astype(np.float64)
+    first = np.searchsorted(sprays.spray, np.arange(count))
+    code = place_code(points[sprays.node[first]], height)
+    poses = _draw_poses(code, params, seed)
+    pivot = points[sprays.pivot]
+    rods = [points[parent[sprays.node]] - pivot[sprays.spray], points[sprays.node] - pivot[sprays.spray]]
+    radius = RING * (skeleton.radius[sprays.node] + skeleton.radius[parent[sprays.node]]) / 2
+    # Every spray's rods once a pose.
+    each = np.diff(np.append(first, len(sprays.node)))
+    sizes = np.repeat(each, _POSES)
+    row = np.repeat(np.arange(count * _POSES), sizes)
+    rod = np.arange(len(row)) - np.repeat(np.cumsum(sizes) - sizes, sizes) + np.repeat(first, _POSES * each)
+    turned = poses.reshape(-1, 3, 3)[row]
+    start, end = (np.einsum("nij,nj->ni", turned, r[rod]) + pivot[row // _POSES] for r in rods)
+    still = np.ones(len(parent), np.bool_)
+    still[sprays.node] = False
+    rest = np.where(still, parent, -1)
+    canvases, covers = [], []
+    for matte, camera in zip(mattes, cameras, strict=True):
+        canvas = lay_canvas(matte.alpha, matte.unknown, camera, cell=height / CELLS)
+        canvases.append(canvas.with_tree(rest, skeleton.points, skeleton.radius))
+        covers.append(canvas.rod_covers(start, end, radius[rod], row, count * _POSES))
+    batch = (_BATCHES * place_chance(code, seed, 0)).astype(np.int64)
+    chosen = choose_poses(canvases, covers, poses=_POSES, batch=batch, contented=_CONTENTED)
+    pose = poses[np.arange(count), np.maximum(chosen, 0)][sprays.spray]
+    points[sprays.node] = np.einsum("nij,nj->ni", pose, rods[1]) + pivot[sprays.spray]
+    still[sprays.node] = chosen[sprays.spray] >= 0
+    return _without(replace(skeleton, points=points.astype(np.float32)), still)
+
+
+def _find_sprays(skeleton: Skeleton, size: int) -> _Sprays:
+    """The largest parts of the tree, each behind one fork, that hold at most ``size`` particles."""
+    parent = skeleton.parent
+    thin = (parent >= 0) & (skeleton.particles <= size)
+    base = thin & ~thin[np.maximum(parent, 0)]
+    pivot = parent[base].astype(np.int64)
+    spray = np.full(len(parent), -1, np.int64)
+    spray[base] = np.arange(len(pivot))
+    for nodes in levels(parent)[1:]:
+        inside = nodes[thin[nodes] & ~base[nodes]]
+        spray[inside] = spray[parent[inside]]
+    node = np.flatnonzero(spray >= 0)
+    node = node[np.argsort(spray[node], kind="stable")]
+    return _Sprays(node, spray[node], pivot)
+
+
+def _draw_poses(code: NDArray[np.int64], params: TwigParams, seed: int) -> NDArray[np.float64]:
+    """Rotations times stretches (m, poses, 3, 3); the first leaves everything as it is."""
+    number = (np.arange(1, _POSES) * _STREAMS)[None, :]
+    draw = [
+        place_chance(np.repeat(code, _POSES - 1), seed, np.tile(number, (len(code), 1)).ravel() + k)
+        for k in range(4)
+    ]
+    turn = np.radians(params.turn) * ndtri(np.clip(np.stack(draw[:3], axis=1), 1e-9, 1 - 1e-9))
+    stretch = _SHORTEST + (_LONGEST - _SHORTEST) * draw[3]
+    drawn = Rotation.from_rotvec(turn).as_matrix() * stretch[:, None, None]
+    same = np.broadcast_to(np.eye(3), (len(code), 1, 3, 3))
+    return np.concatenate([same, drawn.reshape(len(code), _POSES - 1, 3, 3)], axis=1)
+
+
+def _without(skeleton: Skeleton, kept: NDArray[np.bool_]) -> Skeleton:
+    """The skeleton of the nodes that are kept; with a node all behind it must go."""
+    index = np.cumsum(kept) - 1
+    parent = np.where(skeleton.parent >= 0, index[np.maximum(skeleton.parent, 0)], -1)[kept]
+    return Skeleton(
+        parent=parent.astype(np.int32),
+        points=skeleton.points[kept],
+        radius=skeleton.radius[kept],
+        particles=skeleton.particles[kept],
+        level=skeleton.level[kept],
+        twig=skeleton.twig[kept],
+    )

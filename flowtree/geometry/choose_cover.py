@@ -1,0 +1,242 @@
+"""Chooses among many small things those that together show in each view what it should."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sparse
+from numpy.typing import NDArray
+
+from flowtree.geometry.cover_canvas import FINE, CoverCanvas
+
+_SWEEPS = 4
+_NONE = -1
+
+
+def choose_cover(
+    canvases: Sequence[CoverCanvas],
+    covers: Sequence[sparse.csr_array],
+    *,
+    batch: NDArray[np.integer],
+    chance: NDArray[np.float64],
+    start: NDArray[np.bool_] | None = None,
+    weight: NDArray[np.float64] | None = None,
+    sweeps: int = _SWEEPS,
+) -> NDArray[np.bool_]:
+    """Which things stay, so that the alpha of those that do comes near the wanted one in every cell.
+
+    A closed loop of rendering, comparing and correcting: a batch of things is taken away, the rest is
+    rendered (the transparencies of what covers a pixel multiply), and each thing of the batch is put back if
+    it lowers the squared error over the cells of all views. Where several would fill the same gap, they are
+    put back with the share of them that fills it as probability: those whose ``chance`` is below it. After
+    some sweeps over all batches little moves any more.
+
+    All that decides about a thing is its own chance and what is seen where it is: a change in one place of a
+    matte changes the choice there and hardly elsewhere.
+
+    Args:
+        canvases: one a view.
+        covers: one a view, (n, pixels + 1) shares of pixels.
+        batch: (n,) from 0, random; things of one batch do not see each other.
+        chance: (n,) in 0..1, each thing's own random number.
+        start: (n,) what is there before the first sweep; None for nothing.
+        weight: (n,) in 0..1, factors to the probabilities until the last two sweeps: likelier things first.
+        sweeps: over all batches.
+
+    Returns: (n,) which stay.
+    """
+    loop = _Loop(canvases, covers, batch, 1)
+    chosen = np.full(loop.count, _NONE) if start is None else np.where(start, 0, _NONE)[loop.order]
+    luck, likely = chance[loop.order], None if weight is None else weight[loop.order]
+    loop.put(chosen)
+    for sweep in range(sweeps):
+        for part in loop.parts:
+            loop.take(part, chosen[part])
+            gain, seen = loop.gains(part)
+            better = gain[:, 0] > 0.0
+            share = loop.room(part, np.where(better, 0, _NONE), seen)
+            if likely is not None and sweep < sweeps - 2:
+                share *= likely[part]
+            chosen[part] = np.where(better & (luck[part] < share), 0, _NONE)
+            loop.put(chosen[part], part)
+    kept = np.zeros(loop.count, np.bool_)
+    kept[loop.order] = chosen == 0
+    return kept
+
+
+def choose_poses(
+    canvases: Sequence[CoverCanvas],
+    covers: Sequence[sparse.csr_array],
+    *,
+    poses: int,
+    batch: NDArray[np.integer],
+    contented: float,
+    sweeps: int = 3,
+) -> NDArray[np.int64]:
+    """The pose of each thing with which all come near the wanted alpha, or none: `choose_cover` with poses.
+
+    Args:
+        canvases: one a view.
+        covers: one a view, (n * poses, pixels + 1), the poses of a thing one after the other.
+        poses: of each thing; it starts in the first.
+        batch: (n,) from 0, random.
+        contented: a thing stays in a pose that does at least this share of what the best one would do.
+        sweeps: over all batches.
+
+    Returns: (n,) the pose, -1 where a thing does harm in every pose.
+    """
+    loop = _Loop(canvases, covers, batch, poses)
+    chosen = np.zeros(loop.count, np.int64)
+    loop.put(chosen)
+    for _ in range(sweeps):
+        for part in loop.parts:
+            loop.take(part, chosen[part])
+            gain, _ = loop.gains(part)
+            best = np.argmax(gain, axis=1)
+            most = gain[np.arange(len(gain)), best]
+            own = gain[np.arange(len(gain)), np.maximum(chosen[part], 0)]
+            now = np.where(chosen[part] >= 0, own, 0.0)
+            moves = (now < contented * most) | ((now < 0.0) & (most <= 0.0))
+            chosen[part] = np.where(moves, np.where(most > 0.0, best, _NONE), chosen[part])
+            loop.put(chosen[part], part)
+    result = np.empty(loop.count, np.int64)
+    result[loop.order] = chosen
+    return result
+
+
+class _Loop:
+    """What is rendered, and what a batch of things would change; things are kept in the batches' order.
+
+    Attributes:
+        count: of the things.
+        order: (n,) their old numbers.
+        parts: the batches.
+    """
+
+    def __init__(
+        self,
+        canvases: Sequence[CoverCanvas],
+        covers: Sequence[sparse.csr_array],
+        batch: NDArray[np.integer],
+        poses: int,
+    ) -> None:
+        self.count, self._poses, self._canvases = len(batch), poses, canvases
+        self.order = np.argsort(batch, kind="stable")
+        last = np.cumsum(np.bincount(batch, minlength=1))
+        self.parts = [slice(int(a), int(b)) for a, b in zip([0, *last[:-1]], last, strict=True) if b > a]
+        rows = (self.order[:, None] * poses + np.arange(poses)).ravel()
+        self._views = [_View(canvas, cover[rows]) for canvas, cover in zip(canvases, covers, strict=True)]
+
+    def put(self, chosen: NDArray[np.int64], part: slice | None = None) -> None:
+        """Stands the chosen things of a batch (of all, without one) onto the canvases."""
+        self._change(chosen, part, 1.0)
+
+    def take(self, part: slice, chosen: NDArray[np.int64]) -> None:
+        """Takes a batch's chosen things away."""
+        self._change(chosen, part, -1.0)
+
+    def _change(self, chosen: NDArray[np.int64], part: slice | None, sign: float) -> None:
+        rows = self._rows(slice(0, self.count) if part is None else part)
+        present = self._present(chosen) * np.float32(sign)
+        for view in self._views:
+            view.depth += _cut(view.depths, rows).T @ present
+
+    def gains(self, part: slice) -> tuple[NDArray[np.float32], list[_Seen]]:
+        """By how much each pose (n, poses) of a batch would lower the squared error; and what is seen."""
+        rows = self._rows(part)
+        gain = np.zeros(rows.stop - rows.start, np.float32)
+        seen = []
+        for view in self._views:
+            clear = view.clear()
+            wrong = view.error(clear)
+            shown, useful = (_cut(view.cover, rows) @ _pair(clear, view.canvas.spread(wrong))).T
+            gain += 2 * useful - view.focus[rows] * shown**2 / np.float32(FINE**2)
+            seen.append(_Seen(clear, wrong, shown))
+        return gain.reshape(-1, self._poses), seen
+
+    def room(self, part: slice, chosen: NDArray[np.int64], seen: list[_Seen]) -> NDArray[np.float32]:
+        """The share of a batch's wishes that the cells have room for where each thing stands: (n,)."""
+        rows = self._rows(part)
+        present = self._present(chosen)
+        total = np.zeros(len(chosen), np.float32)
+        for view, now in zip(self._views, seen, strict=True):
+            cover = _cut(view.cover, rows)
+            wished = view.canvas.cell_means(np.asarray(cover.T @ present, np.float32) * now.clear)
+            share = np.asarray(np.clip(now.wrong / np.maximum(wished, 1e-9), 0.0, 1.0), np.float32)
+            fits = cover @ (now.clear * view.canvas.spread(share))
+            total += np.divide(fits, now.shown, out=np.zeros_like(total), where=now.shown > 0)
+        return np.asarray(total / len(self._views), np.float32)
+
+    def _rows(self, part: slice) -> slice:
+        return slice(part.start * self._poses, part.stop * self._poses)
+
+    def _present(self, chosen: NDArray[np.int64]) -> NDArray[np.float32]:
+        present = np.zeros((len(chosen), self._poses), np.float32)
+        there = np.flatnonzero(chosen >= 0)
+        present[there, chosen[there]] = 1.0
+        return present.ravel()
+
+
+class _View:
+    """One view of the loop.
+
+    Attributes:
+        canvas: with what stands there anyway.
+        cover: (rows, pixels + 1).
+        depths: the same as optical depths.
+        focus: (rows,) sum of squares of a row's shares of the cells: 1 where all of it lies in one cell.
+        depth: (pixels + 1,) float32 of all that is rendered.
+    """
+
+    def __init__(self, canvas: CoverCanvas, cover: sparse.csr_array) -> None:
+        self.canvas, self.cover = canvas, cover
+        self.depths = sparse.csr_array((-np.log1p(-cover.data), cover.indices, cover.indptr), cover.shape)
+        cells = sparse.csr_array(
+            (cover.data.copy(), cover.indices // (FINE * FINE), cover.indptr.copy()),
+            shape=(cover.shape[0], canvas.grid.columns * canvas.grid.rows + 1),
+        )
+        cells.sum_duplicates()
+        total = np.asarray(cells.sum(axis=1)).ravel()
+        cells.data **= 2
+        self.focus = np.asarray(cells.sum(axis=1)).ravel() / np.maximum(total, np.float32(1e-9)) ** 2
+        self.depth = canvas.depth.copy()
+
+    def clear(self) -> NDArray[np.float32]:
+        """Transparency (pixels + 1,); 0 beside the canvas, where nothing can be gained."""
+        clear: NDArray[np.float32] = np.exp(-self.depth)
+        clear[-1] = 0.0
+        return clear
+
+    def error(self, clear: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Wanted alpha less the rendered one (columns, rows), where anything is known."""
+        return np.asarray(
+            (self.canvas.wanted - 1.0 + self.canvas.cell_means(clear)) * self.canvas.known, np.float32
+        )
+
+
+class _Seen(NamedTuple):
+    """A view without a batch: transparency, error of the cells, and what each thing of it would show."""
+
+    clear: NDArray[np.float32]
+    wrong: NDArray[np.float32]
+    shown: NDArray[np.float32]
+
+
+def _pair(clear: NDArray[np.float32], wrong: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Transparency, and transparency times error, side by side: (pixels + 1, 2)."""
+    both = np.empty((len(clear), 2), np.float32)
+    both[:, 0] = clear
+    np.multiply(clear, wrong, out=both[:, 1])
+    return both
+
+
+def _cut(matrix: sparse.csr_array, rows: slice) -> sparse.csr_array:
+    """Some successive rows, without a copy."""
+    first, last = matrix.indptr[rows.start], matrix.indptr[rows.stop]
+    bounds = matrix.indptr[rows.start : rows.stop + 1] - first
+    count = rows.stop - rows.start
+    return sparse.csr_array(
+        (matrix.data[first:last], matrix.indices[first:last], bounds), shape=(count, matrix.shape[1])
+    )

@@ -1,0 +1,205 @@
+"""A view as a canvas: how much of every pixel is covered, and what each cell should show on the whole."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sparse
+from numpy.typing import NDArray
+
+from flowtree.geometry.footprint_means import OPAQUE, footprint_means
+from flowtree.geometry.plane_grid import PlaneGrid
+from flowtree.geometry.projection import View, view_axes
+
+FINE = 4  #: pixels of a canvas along a cell's side: about what a leaf is wide
+RING = 0.93  #: width of a branch's surface, rings of a few corners, to that of the round branch
+CELLS = 64  #: along a tree's height, from its foot: those of `soft_iou`; across them a choice is worth less
+_MARGIN = 1  # cells around the picture, where nothing should be
+
+_Floats = NDArray[np.floating[Any]]
+
+
+@dataclass(frozen=True)
+class CoverCanvas:
+    """Pixels in a view's plane, `FINE` by `FINE` in each cell of a grid.
+
+    Things on a canvas are rows of a sparse matrix (things, pixels + 1): the share of each pixel that a thing
+    covers. The last column takes what lies beside the canvas.
+
+    Attributes:
+        grid: the cells.
+        wanted: (columns, rows) alpha that each cell should show.
+        known: (columns, rows) in 0..1, how much of each cell's alpha is known at all.
+        depth: (pixels + 1,) float32, optical depth of what stands there anyway.
+    """
+
+    grid: PlaneGrid
+    wanted: NDArray[np.float32]
+    known: NDArray[np.float32]
+    depth: NDArray[np.float32]
+
+    def flat(self, points: _Floats) -> NDArray[np.float32]:
+        """World points (n, 3) [m] as (n, 2) [pixels], image-right and up from the canvas' corner."""
+        return self.turn(points) - np.array([self.grid.left, self.grid.bottom], np.float32) / self._pixel
+
+    def turn(self, vectors: _Floats) -> NDArray[np.float32]:
+        """World vectors (n, 3) [m] as (n, 2) [pixels]."""
+        right, _, _ = view_axes(self.grid.yaw)
+        flat = np.empty((len(vectors), 2), np.float32)
+        np.multiply(vectors[:, 0], right[0] / self._pixel, out=flat[:, 0], casting="same_kind")
+        flat[:, 0] += vectors[:, 2] * (right[2] / self._pixel)
+        np.divide(vectors[:, 1], self._pixel, out=flat[:, 1], casting="same_kind")
+        return flat
+
+    @property
+    def _pixel(self) -> np.float32:
+        return np.float32(self.grid.cell / FINE)
+
+    def index(self, x: NDArray[np.float32], y: NDArray[np.float32]) -> NDArray[np.int32]:
+        """Pixels' indices of places [pixels], cell by cell; the last one for all beside the canvas."""
+        i, j = np.floor(x).astype(np.int32), np.floor(y).astype(np.int32)
+        inside = (i >= 0) & (i < self.grid.columns * FINE) & (j >= 0) & (j < self.grid.rows * FINE)
+        cell = i // FINE * np.int32(self.grid.rows) + j // FINE
+        pixel = cell * (FINE * FINE) + i % FINE * FINE + j % FINE
+        return np.where(inside, pixel, np.int32(len(self.depth) - 1))
+
+    def cell_means(self, picture: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Means (columns, rows) over the pixels (pixels + 1,) of each cell."""
+        each = np.full(FINE * FINE, 1.0 / (FINE * FINE), np.float32)
+        means = picture[:-1].reshape(-1, FINE * FINE) @ each
+        return np.asarray(means.reshape(self.grid.columns, self.grid.rows), np.float32)
+
+    def spread(self, cells: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Each cell's value in all its pixels (pixels + 1,); 0 beside the canvas."""
+        wide = np.zeros(len(self.depth), np.float32)
+        wide[:-1].reshape(-1, FINE * FINE)[:] = cells.reshape(-1, 1)
+        return wide
+
+    def shown(self) -> NDArray[np.float32]:
+        """Alpha (columns, rows) of what stands there anyway."""
+        return np.asarray(-self.cell_means(np.expm1(-self.depth)), np.float32)
+
+    def missing(self) -> NDArray[np.float32]:
+        """Alpha (columns, rows) that is wanted and not shown; below 0 where too much is shown."""
+        return np.asarray((self.wanted - self.shown()) * self.known, np.float32)
+
+    def with_tree(self, parent: NDArray[np.integer[Any]], points: _Floats, radius: _Floats) -> CoverCanvas:
+        """The canvas on which a tree of rods stands, too, one from every node's parent to the node.
+
+        Args:
+            parent: (n,), -1 at roots.
+            points: (n, 3) [m].
+            radius: (n,) at the nodes [m].
+        """
+        nodes = np.flatnonzero(parent >= 0)
+        above = parent[nodes]
+        place, width = points.astype(np.float64), radius.astype(np.float64)
+        mean = RING * (width[nodes] + width[above]) / 2
+        _, pixels, share = self._sample_rods(place[above], place[nodes], mean)
+        cover = np.bincount(pixels, share, minlength=len(self.depth))  # side by side within a pixel
+        more = -np.log1p(-np.minimum(cover, OPAQUE))
+        return replace(self, depth=(self.depth + more).astype(np.float32))
+
+    def rod_covers(
+        self, start: _Floats, end: _Floats, radius: _Floats, things: NDArray[np.integer[Any]], count: int
+    ) -> sparse.csr_array:
+        """What things made of rods cover.
+
+        Args:
+            start: (n, 3) [m].
+            end: (n, 3) [m].
+            radius: (n,) [m].
+            things: (n,) the thing that each rod is a part of, ascending.
+            count: of the things.
+
+        Returns: (count, pixels + 1).
+        """
+        entries, pixels, share = self._sample_rods(start, end, radius)
+        last = np.cumsum(np.bincount(things, entries, minlength=count)).astype(np.int32)
+        return self._rows(share, pixels, np.concatenate([np.zeros(1, np.int32), last]))
+
+    def patch_covers(
+        self, centre: _Floats, along: _Floats, aside: _Floats, area: _Floats, *, samples: tuple[int, int]
+    ) -> sparse.csr_array:
+        """What flat things cover, each sampled at a grid of points.
+
+        Args:
+            centre: (n, 3) [m].
+            along: (n, 3) from its one end to the other [m].
+            aside: (n, 3) from its one side to the other [m].
+            area: (n,) that the view sees [m^2].
+            samples: along and aside.
+
+        Returns: (n, pixels + 1).
+        """
+        way = ((np.arange(samples[0]) + 0.5) / samples[0] - 0.5).astype(np.float32)
+        side = ((np.arange(samples[1]) + 0.5) / samples[1] - 0.5).astype(np.float32)
+        way, side = np.repeat(way, samples[1]), np.tile(side, samples[0])
+        middle, one, other = self.flat(centre), self.turn(along), self.turn(aside)
+        x, y = (middle[:, k, None] + one[:, k, None] * way + other[:, k, None] * side for k in (0, 1))
+        each = len(way)
+        share = np.repeat((area / (self._pixel**2 * each)).astype(np.float32), each)
+        return self._rows(share, self.index(x, y).ravel(), np.arange(len(centre) + 1, dtype=np.int32) * each)
+
+    def _rows(
+        self, share: NDArray[np.float32], pixels: NDArray[np.int32], bounds: NDArray[np.int32]
+    ) -> sparse.csr_array:
+        capped = np.minimum(share, np.float32(OPAQUE))
+        return sparse.csr_array((capped, pixels, bounds), shape=(len(bounds) - 1, len(self.depth)))
+
+    def _sample_rods(
+        self, start: _Floats, end: _Floats, radius: _Floats
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
+        """Points a pixel apart along rods, and across those that are wider than a pixel.
+
+        Returns: number of points of each rod, and all points' pixels and shares of a pixel.
+        """
+        first, along = self.flat(start), self.turn(end - start)
+        half = (radius / self._pixel).astype(np.float32)
+        length = np.hypot(along[:, 0], along[:, 1])
+        steps = np.maximum(np.ceil(length), 1).astype(np.int32)
+        across = np.maximum(np.ceil(2 * half), 1).astype(np.int32)
+        total = steps * across
+        which = np.repeat(np.arange(len(total), dtype=np.int32), total)
+        number = np.arange(len(which), dtype=np.int32) - np.repeat(
+            (np.cumsum(total) - total).astype(np.int32), total
+        )
+        way = (number % steps[which] + np.float32(0.5)) / steps[which]
+        x = first[which, 0] + along[which, 0] * way
+        y = first[which, 1] + along[which, 1] * way
+        if len(across) and across.max() > 1:
+            share = (number // steps[which] + np.float32(0.5)) / across[which]
+            side = (2 * share - 1) * (half / np.maximum(length, np.float32(1e-9)))[which]
+            x, y = x - along[which, 1] * side, y + along[which, 0] * side
+        return total, self.index(x, y), (2 * half * length / total)[which]
+
+
+def lay_canvas(
+    alpha: NDArray[np.float32], unknown: NDArray[np.bool_] | None, view: View, *, cell: float
+) -> CoverCanvas:
+    """An empty canvas for a matte, its cells counted from the foot, with a margin where nothing should be.
+
+    Args:
+        alpha: (h, w) in 0..1.
+        unknown: (h, w) pixels about which the matte says nothing; None for none.
+        view: where the pixels lie.
+        cell: edge of a cell [m].
+    """
+    scale = view.metres_per_pixel
+    first = int(np.floor(-view.foot[0] * scale / cell)) - _MARGIN
+    last = int(np.ceil((alpha.shape[1] - view.foot[0]) * scale / cell)) + _MARGIN
+    low = int(np.floor((view.foot[1] - alpha.shape[0]) * scale / cell)) - _MARGIN
+    high = int(np.ceil(view.foot[1] * scale / cell)) + _MARGIN
+    grid = PlaneGrid(view.yaw, first * cell, low * cell, cell, last - first, high - low)
+
+    def means(picture: NDArray[np.float32]) -> NDArray[np.float32]:
+        box = {"left": grid.left, "bottom": grid.bottom, "columns": grid.columns, "rows": grid.rows}
+        return np.asarray(footprint_means(picture, view, cell=cell, **box), np.float32)  # type: ignore[arg-type]
+
+    known = np.ones((grid.columns, grid.rows), np.float32)
+    if unknown is not None and unknown.any():
+        known -= np.clip(means(unknown.astype(np.float32)), 0.0, 1.0)
+    pixels = grid.columns * grid.rows * FINE * FINE
+    return CoverCanvas(grid, means(alpha), known, np.zeros(pixels + 1, np.float32))
