@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from benchmarks.measure_truth import INPUTS, Measured, Truth
-from flowtree.model.camera import Camera
 from flowtree.params import RenderParams
 from flowtree.render.assemble_scene import assemble_scene
 from flowtree.render.gather_sky_light import gather_sky_light
 from flowtree.render.render_view import render_scene
 
 _SIDE, _LABEL = 480, 24  # [pixels]
+_FINE = RenderParams(samples=3)  # twigs are finer than a pixel
 _PAPER, _INK = np.array([226.0, 232.0, 238.0]), (40, 44, 50)
 
 
@@ -28,8 +30,10 @@ def draw_comparison(truth: Truth, measured: Measured) -> NDArray[np.uint8]:
         camera, photo = truth.cameras[yaw], truth.photos[yaw]
         shrink = max(camera.width, camera.height) / _SIDE
         foot = camera.foot[0] / shrink, camera.foot[1] / shrink
-        small = Camera(camera.yaw, camera.metres_per_pixel * shrink, foot, _SIDE, _SIDE)
-        drawn = render_scene(scene, sky, small, params=RenderParams(size=_SIDE))
+        small = replace(
+            camera, metres_per_pixel=camera.metres_per_pixel * shrink, foot=foot, width=_SIDE, height=_SIDE
+        )
+        drawn = render_scene(scene, sky, small, params=_FINE)
         known = _over_paper(np.dstack([photo.rgb, np.rint(255 * truth.alphas[yaw]).astype(np.uint8)]))
         known = known.resize(
             (round(camera.width / shrink), round(camera.height / shrink)), Image.Resampling.BOX

@@ -30,6 +30,7 @@ _KINDS = (
     ("cutouts/palm-tree2.png", "cutouts/purple-leaf-plum.png", "photos/sycamore_bare.jpg", "truth/willow"),
 )
 _KIND_SIDE = 420
+_FINE = RenderParams(samples=3)  # twigs are finer than a pixel
 
 
 def main(argv: list[str]) -> int:
@@ -67,4 +68,4 @@ def _make(picture: Path) -> NDArray[np.uint8]:
 def _draw(tree: TreeModel, yaw: float, side: int) -> NDArray[np.uint8]:
     """The tree over a plain sky: (side, side, 3) uint8."""
     camera = fit_camera(tree, yaw, side)
-    return lay_over_sky(render_view(tree, camera, params=RenderParams(size=side)))
+    return lay_over_sky(render_view(tree, camera, params=_FINE))
