@@ -22,6 +22,7 @@ from flowtree.model.volume import DensityVolume
 from flowtree.params import DensityParams
 
 _SAME_SIDE = 0.01  # sine of the angle below which two views see the tree from the same or the opposite side
+_LOOSE = 2.0  # how many times higher or lower than it is shown a tree may be
 _WIDEST = 2.0  # heights to the side, beyond which the width, not the height, sets the size of a voxel
 _VOXELS_AT_ONCE = 16_000_000  # 64 MB in each of four arrays
 
@@ -30,6 +31,7 @@ def solve_density(
     mattes: Sequence[Matte],
     cameras: Sequence[Camera],
     *,
+    height: float | None = None,
     params: DensityParams = DensityParams(),
     device: str | None = None,
 ) -> DensityVolume:
@@ -78,11 +80,13 @@ def solve_density(
     Args:
         mattes: one for each view, at least two.
         cameras: theirs, at two yaws at least that are neither equal nor opposite.
+        height: of the tree [m], which sets the voxels' size; the box is not lower, so that erasing a crown's
+            top moves no voxel. Left out, the largest height that any view shows.
         params: resolution, carving threshold, when the rounds end.
         device: to run on; None takes the best there is.
 
-    Returns: a box around the y axis that stands on the ground, as wide and high as any view shows. The same
-        bytes on any number of cores.
+    Returns: a box around the y axis that stands on the ground, as wide and at least as high as any view
+        shows. The same bytes on any number of cores.
 
     Raises:
         InputError: fewer than two views, views that see the tree from the same or the opposite side only,
@@ -103,10 +107,17 @@ def solve_density(
     mattes = [
         _checked(matte, camera, k) for k, (matte, camera) in enumerate(zip(mattes, cameras, strict=True))
     ]
-    reach, top = _extent(mattes, cameras)
+    reach, shown = _extent(mattes, cameras)
+    if height is not None:
+        check.require(
+            bool(np.isfinite(height)) and height > 0.0, "height", "must be positive", height, "give metres"
+        )
+    # A height far from what is seen is another tree's: it would make a box of very many voxels.
+    fits = height is not None and shown / _LOOSE <= height <= shown * _LOOSE
+    top = float(height) if fits and height is not None else shown
     cell = max(top, reach / _WIDEST) / params.resolution
     half = int(np.ceil(reach / cell)) + 1
-    rows = int(np.ceil(top / cell)) + 1
+    rows = int(np.ceil(max(top, shown) / cell - 0.5)) + 1  # half a voxel of air at least
     centres = np.asarray((np.arange(2 * half) + 0.5 - half) * cell, np.float64)
     columns = 2 * int(np.ceil(half * np.sqrt(2.0))) + 2  # the box's diagonal
     left = -columns / 2 * cell
@@ -126,9 +137,9 @@ def solve_density(
     volume = np.zeros((side, rows, side), np.float32)
     # Every height is its own problem: not all at once where the memory would not hold them.
     few = max(LANES, _VOXELS_AT_ONCE // side**2 // LANES * LANES)
-    shown = 1 + int(np.flatnonzero(np.any([depth.any(axis=0) for depth in depths], axis=0)).max(initial=-1))
-    for low in range(0, shown, few):
-        high = min(low + few, shown)
+    filled = 1 + int(np.flatnonzero(np.any([depth.any(axis=0) for depth in depths], axis=0)).max(initial=-1))
+    for low in range(0, filled, few):
+        high = min(low + few, filled)
         fitted = fit_depths(
             shares,
             [depth[:, low:high] for depth in depths],

@@ -12,6 +12,7 @@ from flowtree import check
 from flowtree.model.edit import PaintedEdit
 from flowtree.model.matte import Matte
 
+_SAID = 0.5  # strength of paint above which it says what is there
 _TREE = 0.5  # alpha from which a pixel's foreground colour is sure to be the tree's
 
 
@@ -20,7 +21,8 @@ def paint_matte(matte: Matte, edit: PaintedEdit) -> Matte:
 
     Added density unites with what is there: alpha becomes 1 - (1 - alpha)(1 - add). Then the erased share
     goes: alpha becomes alpha (1 - erase). Where density was added to less than half a tree the foreground
-    colour is that of the nearest tree pixel.
+    colour is that of the nearest tree pixel. What was unknown is known where more than half is painted: a
+    person has said what is there.
 
     Args:
         matte: of the view.
@@ -35,15 +37,19 @@ def paint_matte(matte: Matte, edit: PaintedEdit) -> Matte:
         return matte
     size = matte.alpha.shape
     alpha, foreground = matte.alpha, matte.foreground
+    painted = np.zeros(size, np.float32)
     if edit.add is not None:
         add = check.array(edit.add, "painted density", shape=size, low=0.0, high=1.0)
         foreground = _extend_colors(alpha, foreground, add > 0.0)
         # The union written so that nothing added is exactly nothing changed.
         alpha = np.asarray(alpha + add - alpha * add, np.float32)
+        painted = np.maximum(painted, add)
     if edit.erase is not None:
         erase = check.array(edit.erase, "erased density", shape=size, low=0.0, high=1.0)
         alpha = np.asarray(alpha * (1.0 - erase), np.float32)
-    return replace(matte, alpha=np.clip(alpha, 0.0, 1.0), foreground=foreground)
+        painted = np.maximum(painted, erase)
+    unknown = None if matte.unknown is None else matte.unknown & (painted <= _SAID)
+    return replace(matte, alpha=np.clip(alpha, 0.0, 1.0), foreground=foreground, unknown=unknown)
 
 
 def _extend_colors(

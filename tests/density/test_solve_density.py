@@ -148,6 +148,24 @@ def test_any_mattes_give_a_finite_volume_or_a_clear_error(seed, yaws, resolution
     assert volume.origin[1] == 0
 
 
+def test_erasing_the_top_moves_no_voxel():
+    mattes, cameras = _views(_phantom("sphere"), (0, 90))
+    erased = [_matte(np.where(np.arange(96)[:, None] < 45, 0, m.alpha)) for m in mattes]
+    one, two = (solve_density(m, cameras, height=2.6, params=COARSE) for m in (mattes, erased))
+    assert one.density.shape == two.density.shape
+    assert one.voxel == two.voxel == 2.6 / 24
+    assert two.density[:, -5:].max() == 0 < one.density[:, -5:].max()
+    other = solve_density(mattes, cameras, height=260.0, params=COARSE)
+    assert other.voxel == solve_density(mattes, cameras, params=COARSE).voxel
+
+
+@pytest.mark.parametrize("height", [0.0, -1.0, np.nan, np.inf])
+def test_a_height_that_is_none_is_refused(height):
+    mattes, cameras = _good()
+    with pytest.raises(InputError, match="height"):
+        solve_density(mattes, cameras, height=height)
+
+
 def test_25_cubed_as_in_the_paper():
     mattes, cameras = _views(_phantom("sphere"), (0, 90))
     volume = solve_density(mattes, cameras, params=DensityParams(resolution=25))

@@ -45,6 +45,19 @@ def test_erasing_takes_its_share():
     assert after.foreground.tobytes() == before.foreground.tobytes()
 
 
+def test_paint_says_what_is_behind_an_occluder():
+    unknown = np.zeros((20, 30), bool)
+    unknown[:, 12:18] = True
+    before = Matte(matte().alpha, matte().foreground, "scribbles", unknown)
+    layer = np.zeros((20, 30), np.float32)
+    layer[:10], layer[10:12] = 0.8, 0.3
+    for edit in (PaintedEdit(add=layer), PaintedEdit(erase=layer)):
+        after = paint_matte(before, edit)
+        assert not after.unknown[:10].any()
+        assert np.array_equal(after.unknown[10:], unknown[10:])
+    assert paint_matte(matte(), PaintedEdit(add=layer)).unknown is None
+
+
 def test_painting_on_an_empty_matte_is_allowed():
     empty = Matte(np.zeros((4, 5), np.float32), np.zeros((4, 5, 3), np.uint8), "automatic")
     after = paint_matte(empty, PaintedEdit(add=np.ones((4, 5), np.float32)))
