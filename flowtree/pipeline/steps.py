@@ -164,7 +164,7 @@ def run_density(
 ) -> DensityVolume:
     """The volume that all views agree on."""
     check_same_tree([photo.name for photo in photos], mattes, cameras, height=heights[0])
-    return solve_density(mattes, cameras, params=job.params.density, device=job.device)
+    return solve_density(mattes, cameras, height=heights[0], params=job.params.density, device=job.device)
 
 
 def run_attraction(
