@@ -13,6 +13,7 @@ _MIDDLE = 0.75  # how near the middle of its limb a path begins
 _THINNEST = 0.0035  # of the height: half width of the thinnest limb followed
 _BESIDE = 0.012  # of the height: what is as near as this to a path is followed
 _SHORTEST = 0.03  # of the height: a shorter path is a bump of its carrier
+_SHOWN = 0.7  # share of a path along which a limb must show
 _MOST = 300  # paths
 
 _Map = NDArray[np.float64]
@@ -41,6 +42,7 @@ def cover_limbs(
         target: (row, column) to which the paths lead.
         tall: the tree's height [cells].
     """
+    limb = cv2.dilate((middle > 0.0).astype(np.uint8), np.ones((3, 3), np.uint8))
     search = MCP_Geometric(cost)
     way, _ = search.find_costs([target])
     ends = np.argwhere((middle > _MIDDLE) & (half > _THINNEST) & np.isfinite(way))
@@ -54,7 +56,7 @@ def cover_limbs(
             continue
         path = search.traceback((row, column))
         new = next((k for k, cell in enumerate(path[::-1]) if tree.node_at[cell] >= 0), len(path))
-        if new < _SHORTEST * tall:
+        if new < _SHORTEST * tall or np.mean([limb[cell] for cell in path[-new:]]) < _SHOWN:
             continue
         tree.add_path(path)
         count += 1

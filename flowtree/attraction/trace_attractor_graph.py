@@ -19,6 +19,7 @@ from flowtree.attraction.growing_tree import GrowingTree
 from flowtree.attraction.measure_limbs import measure_limbs
 from flowtree.attraction.outline_crown import CrownOutline, outline_crown
 from flowtree.attraction.shape_branches import shape_branches
+from flowtree.attraction.stem_likeness import stem_likeness
 from flowtree.attraction.weigh_structures import weigh_structures
 from flowtree.geometry.polylines import drop_repeats
 from flowtree.geometry.projection import pixels_to_plane
@@ -30,6 +31,8 @@ from flowtree.params import AttractionParams
 
 _CROWDED = 0.03  # of the height: an automatic seed this near to a drawn branch would only double it
 _STUB = 0.055  # of the height: shorter automatic branches are noise of the outline
+_WOOD = 0.6  # likeness to the stem's colour from which a thin part of a leafy tree is a limb
+_THIN = 0.02  # of the height: half width up to which it is thin
 _BARRED = 10.0  # times dearer: beside the stem below a given first fork
 _CLOSED = 1e4  # times dearer: that stem itself, so that no other path joins it
 
@@ -64,7 +67,8 @@ def trace_attractor_graph(
         seeds: (n, 2) [working pixels], besides the ``params.seed_count`` automatic ones.
         target: (x, y) [working pixels] of the stem's first fork, to which all paths lead; the stem from the
             foot passes exactly through it. None is the foot.
-        leafy: whether the tree bears leaves; the limbs of one that does not are all traced.
+        leafy: whether the tree bears leaves. Limbs that show are all traced, those of a bare tree by the
+            matte alone, of a leafy one where they are thin and have the stem's colour.
         params: see `AttractionParams`.
         seed: of the random seeds and the disturbance; same seed, same bytes.
 
@@ -101,17 +105,20 @@ def trace_attractor_graph(
     tree = GrowingTree(grid, foot)
     root = tree.cell_of(foot)
     crown = outline_crown(grid, root[0])
-    widths = None if leafy else measure_limbs(matte, grid.tall / grid.scale)
-    limbs = None if widths is None else widths.on_grid(grid)
-    cost = weigh_structures(grid, crown, rng, limbs)
+    wood = stem_likeness(grid, crown)
+    widths = measure_limbs(matte, grid.tall / grid.scale)
+    middle, half = widths.on_grid(grid)
+    # Of a leafy tree only what has the stem's colour and is thin is sure to be no leaves.
+    shown = (wood > _WOOD) & (half < _THIN) if leafy else np.ones(wood.shape, np.bool_)
+    cost = weigh_structures(grid, crown, rng, wood, None if leafy else (middle, half))
     goal = root
     if fork is not None:
         place = grid.to_cells(fork[None, :])[0]
         goal = tree.cell_of(place)
         cost = _raise_stem(tree, cost, root, place, grid.tall)
     attach_strokes(tree, cost, [grid.to_cells(line) for line in lines], tall=grid.tall)
-    if limbs is not None and automatic > 0:
-        cover_limbs(tree, cost, *limbs, target=goal, tall=grid.tall)
+    if automatic > 0:
+        cover_limbs(tree, cost, np.where(shown, middle, 0.0), half, target=goal, tall=grid.tall)
     found = choose_seeds(grid, crown, count=automatic, mode=params.seed_mode, rng=rng)
     found = _away_from_strokes(found, tree, _CROWDED * grid.tall)
     main = _limb_count(crown)
@@ -132,8 +139,8 @@ def trace_attractor_graph(
     pixels = grid.to_pixels(points)
     plane = pixels_to_plane(pixels, camera).astype(np.float32)
     plane[0] = 0.0  # exactly: rounding is no part of the foot
-    half = None if widths is None else (widths.at(pixels) * camera.metres_per_pixel).astype(np.float32)
-    return AttractorGraph(parent, plane, half)
+    width = np.where(shown[tuple(grid.cell_at(points).T)], widths.at(pixels), np.nan)
+    return AttractorGraph(parent, plane, (width * camera.metres_per_pixel).astype(np.float32))
 
 
 def _line(stroke: ArrayLike, number: int) -> _Array:

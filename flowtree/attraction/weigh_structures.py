@@ -22,6 +22,7 @@ def weigh_structures(
     grid: WorkingGrid,
     crown: CrownOutline,
     rng: np.random.Generator,
+    wood: _Map,
     limbs: tuple[_Map, _Map] | None = None,
 ) -> _Map:
     """Cost per cell (h, w) of a path, > 0 and finite.
@@ -35,9 +36,9 @@ def weigh_structures(
         grid: the working picture.
         crown: its filled shape.
         rng: draws a weak smooth disturbance, so that a path through a uniform crown is no straight wire.
+        wood: (h, w) as `stem_likeness` gives it.
         limbs: of a bare tree, as `measure_limbs` gives them: there the middle of a limb is all that counts.
     """
-    wood = _stem_likeness(grid, crown)
     middle, thickness = _middle_of_limbs(grid, _thickest(grid, crown))
     limb_like = (thickness > 2.5) & (thickness < _thickest(grid, crown))
     # A ridge filter also answers along the inner edges of a thick stem: there only its middle counts.
@@ -120,28 +121,6 @@ def _picture_ridges(grid: WorkingGrid) -> _Map:
     difference = difference / spread
     bright, dark = find_ridges(difference, [0.008 * grid.tall, 0.016 * grid.tall])
     return np.clip(np.maximum(bright, dark).astype(np.float64) / 0.8, 0.0, 1.0)
-
-
-def _stem_likeness(grid: WorkingGrid, crown: CrownOutline) -> _Map:
-    """How much a cell's colour is the stem's rather than the crown's, 0..1; 0.5 where they look the same."""
-    rows = np.arange(grid.alpha.shape[0])[:, None]
-    solid = grid.alpha > 0.6
-    stem = solid & crown.shape & (rows > crown.base + 0.01 * grid.tall)
-    leaves = solid & crown.shape & (rows < crown.base - 0.05 * grid.tall)
-    if stem.sum() < 20 or leaves.sum() < 20:
-        return np.full(grid.alpha.shape, 0.5)
-    near, far = _color_distance(grid.lab, stem), _color_distance(grid.lab, leaves)
-    likeness = 1.0 / (1.0 + np.exp(np.clip(near - far, -20.0, 20.0)))
-    # One cell's colour is noise: only what its neighbours confirm counts.
-    return np.asarray(ndimage.gaussian_filter(likeness, 0.004 * grid.tall), np.float64)
-
-
-def _color_distance(lab: NDArray[np.float32], sample: NDArray[np.bool_]) -> _Map:
-    """Negative log likelihood (h, w) of each colour under a Gaussian around the sample's median colour."""
-    colors = lab[sample].astype(np.float64)
-    middle = np.median(colors, axis=0)
-    spread = 1.48 * np.median(np.abs(colors - middle), axis=0) + 4.0
-    return np.asarray(0.5 * (((lab - middle) / spread) ** 2).sum(axis=2) + np.log(spread).sum(), np.float64)
 
 
 def _disturbance(shape: tuple[int, ...], tall: float, rng: np.random.Generator) -> _Map:

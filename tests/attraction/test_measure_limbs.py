@@ -53,9 +53,17 @@ def test_every_limb_is_followed_along_its_middle_and_measured():
         assert np.nanmedian(half) == pytest.approx(width / 2, abs=0.75)
 
 
-def test_a_leafy_tree_is_not_measured():
-    photo, matte, camera = bare_tree()
-    assert trace_attractor_graph(photo, matte, camera).half_width is None
+def test_a_leafy_tree_is_measured_only_where_the_stems_colour_shows():
+    _, matte, camera = bare_tree()
+    rgb = np.where(np.arange(512)[:, None, None] > 340, [110, 70, 40], [60, 150, 50]).astype(np.uint8)
+    rgb = np.broadcast_to(rgb, (512, 400, 3)).copy()
+    rgb[(matte.alpha > 0.1) & (np.hypot(*np.mgrid[-150:362, -330:70]) < 150)] = 110, 70, 40  # a limb's end
+    leafy = Photo("leafy", rgb)
+    graph = trace_attractor_graph(leafy, Matte(matte.alpha, rgb, "automatic"), camera)
+    pixels = plane_to_pixels(graph.points, camera)
+    green = (rgb[tuple(np.floor(pixels[:, ::-1]).astype(int).clip(0, (511, 399)).T)] == 150).any(axis=1)
+    assert np.isnan(graph.half_width[green]).mean() > 0.9
+    assert np.nanmax(graph.half_width[pixels[:, 1] > 360]) == pytest.approx(0.14, abs=0.02)
 
 
 @settings(max_examples=20, deadline=None)
