@@ -54,6 +54,23 @@ class PhotoParams(StageParams):
     )
 
 
+class AlignParams(StageParams):
+    """How the tree stands in its photographs."""
+
+    automatic: Literal["opaque", "all", "none"] = _choice(
+        "opaque",
+        "photos of which roll, distance and hidden ends are estimated; one with an alpha channel is taken as it is",
+    )
+    distance: float = _number(
+        2.0,
+        "distance of the camera where no focal length is known; 0 for parallel projection",
+        ge=0,
+        le=1000,
+        unit="tree heights",
+    )
+    eye_height: float = _number(1.6, "of the camera above the foot", ge=0, le=100, unit="m")
+
+
 class MattingParams(StageParams):
     """From photograph to alpha matte."""
 
@@ -70,6 +87,9 @@ class AttractionParams(StageParams):
     seed_count: int = _number(28, "seed points on the silhouette", ge=0, le=2000)
     seed_mode: Literal["farthest", "random"] = _choice("farthest", "how the silhouette's seeds are spread")
     automatic: bool = _choice(True, "trace the automatic graph even where strokes or seeds are given")
+    habit: Literal["auto", "upright", "spreading", "weeping", "conifer", "palm"] = _choice(
+        "auto", "which way the branches grow; auto goes by the pictures"
+    )
     grid_height: int = _number(
         240, "the tree's height in the small picture that is searched for paths", ge=32, le=1024, unit="px"
     )
@@ -303,6 +323,7 @@ class Params(StageParams):
     """The parameters of all stages."""
 
     photos: PhotoParams = PhotoParams()
+    align: AlignParams = AlignParams()
     matting: MattingParams = MattingParams()
     attraction: AttractionParams = AttractionParams()
     density: DensityParams = DensityParams()

@@ -15,6 +15,7 @@ from PIL import Image, UnidentifiedImageError
 
 from flowtree import check
 from flowtree.params import PhotoParams
+from flowtree.photos.read_focal_length import read_focal_length
 
 _LEAST_SIDE = 16
 _ORIENTATION = 0x0112
@@ -30,11 +31,13 @@ class Picture:
         rgb: (h, w, 3) uint8 sRGB, upright.
         alpha: (h, w) uint8, or None where the file has no alpha channel or a wholly opaque one.
         scale: pixels per pixel of the upright file, at most 1.
+        focal_length: [pixels] as the file says it, or None.
     """
 
     rgb: NDArray[np.uint8]
     alpha: NDArray[np.uint8] | None
     scale: float
+    focal_length: float | None = None
 
 
 def decode_picture(path: str | Path, *, side: int | None, params: PhotoParams = PhotoParams()) -> Picture:
@@ -99,7 +102,7 @@ def _decode(file: Path, side: int | None, max_megapixels: float) -> Picture:
             if scale < 1.0:
                 opened.draft("RGB", (out_width, out_height))  # JPEG alone: decodes at 1/2, 1/4 or 1/8
             pixels = _as_rgba_or_rgb(opened)
-            turn = _orientation(opened)
+            turn, focal = _shot(opened, width, height)
         except Exception as error:  # decoders raise whatever they stumble over in damaged data
             _refuse(file, f"damaged or truncated data ({error})")
     rgb, alpha = np.ascontiguousarray(pixels[..., :3]), None
@@ -108,7 +111,8 @@ def _decode(file: Path, side: int | None, max_megapixels: float) -> Picture:
     if (out_height, out_width) != rgb.shape[:2]:
         rgb, alpha = _shrink(rgb, alpha, (out_width, out_height))
     rgb = _upright(rgb, turn)
-    return Picture(rgb, None if alpha is None else _upright(alpha, turn), scale)
+    focal = None if focal is None else focal * scale
+    return Picture(rgb, None if alpha is None else _upright(alpha, turn), scale, focal)
 
 
 def _refuse(file: Path, got: str) -> NoReturn:
@@ -128,11 +132,13 @@ def _as_rgba_or_rgb(image: Image.Image) -> NDArray[np.uint8]:
     return np.asarray(image.convert(mode), np.uint8)
 
 
-def _orientation(image: Image.Image) -> int:
+def _shot(image: Image.Image, width: int, height: int) -> tuple[int, float | None]:
+    """Orientation and focal length [pixels of the file] of the shot."""
     try:
-        return int(image.getexif().get(_ORIENTATION, 1))
+        exif = image.getexif()
+        return int(exif.get(_ORIENTATION, 1)), read_focal_length(exif, width, height)
     except Exception:  # damaged metadata must not cost the picture
-        return 1
+        return 1, None
 
 
 def _shrink(

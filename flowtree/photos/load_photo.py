@@ -22,11 +22,18 @@ def load_photo(path: str | Path, *, params: PhotoParams = PhotoParams()) -> Phot
         params: the working size and the cap on pixels.
 
     Returns:
-        The photo. Its ``alpha`` is None where the file has no alpha channel or is opaque everywhere.
+        The photo. Its ``alpha`` is None where the file has no alpha channel or is opaque everywhere, its
+        ``focal_length`` where the EXIF part does not say it.
 
     Raises:
         InputError: no such file, not a picture, truncated, too large, or smaller than 16 x 16 pixels.
     """
     picture = decode_picture(path, side=params.working_height, params=params)
     alpha = None if picture.alpha is None else picture.alpha.astype(np.float32) / np.float32(255.0)
-    return Photo(name=Path(path).name, rgb=picture.rgb, alpha=alpha, scale=picture.scale)
+    return Photo(
+        name=Path(path).name,
+        rgb=picture.rgb,
+        alpha=alpha,
+        scale=picture.scale,
+        focal_length=picture.focal_length,
+    )

@@ -16,4 +16,5 @@ def mirror_marks(marks: ViewMarks, width: int) -> ViewMarks:
         foot=None if marks.foot is None else (width - marks.foot[0], marks.foot[1]),
         fork=None if marks.fork is None else (width - marks.fork[0], marks.fork[1]),
         seeds=np.stack([np.float32(width) - marks.seeds[:, 0], marks.seeds[:, 1]], axis=1),
+        roll=None if marks.roll is None else -marks.roll,
     )

@@ -15,6 +15,7 @@ from flowtree.photos.check_marks import check_marks
 from flowtree.photos.read_drawn_json import is_number, is_pair, read_drawn_json
 
 _FORM = '{"strokes": […], "foot": [x, y], "top": y, "fork": [x, y], "seeds": [[x, y], …]}'
+_NUMBERS = ("roll", "distance", "focal_length")
 _MARKS = tuple(field.name for field in fields(ViewMarks))
 
 
@@ -24,8 +25,10 @@ def read_marks(path: str | Path, photo: Photo) -> ViewMarks:
     The file is ``{"strokes": […], "foot": [x, y], "top": y, "fork": [x, y], "seeds": [[x, y], …]}`` in pixels
     of the upright original photo, (0, 0) its upper left corner. Every name may be left out, or be null. Foot
     and top say where the tree stands and ends (Particle Flows gives both by hand, too); the trunk's first
-    fork is the target of all livewire paths and the seeds are the tips they start from (section 4). The
-    strokes are left to the stage of the attractor graphs; a file of strokes alone, also as a bare list, has
+    fork is the target of all livewire paths and the seeds are the tips they start from (section 4). A foot or
+    a top that the frame cuts off may lie outside of it. ``"roll"`` [degrees], ``"distance"`` [m] and
+    ``"focal_length"`` [mm, as on 36 x 24 mm film] say how the camera was held (`ViewMarks`). The strokes are
+    left to the stage of the attractor graphs; a file of strokes alone, also as a bare list, has
     no marks.
 
     Args:
@@ -58,6 +61,7 @@ def read_marks(path: str | Path, photo: Photo) -> ViewMarks:
         top=_row(content.get("top"), f"{file.name}, top"),
         fork=_point(content.get("fork"), f"{file.name}, fork"),
         seeds=_points(content.get("seeds"), f"{file.name}, seeds"),
+        **{name: _number(content.get(name), f"{file.name}, {name}") for name in _NUMBERS},
     )
     return check_marks(marks, photo, name=file.name, scale=photo.scale)
 
@@ -73,6 +77,13 @@ def _row(value: Any, name: str) -> float | None:
     if value is None:
         return None
     check.require(is_number(value), name, "must be a row y", repr(value)[:40], "give one number")
+    return float(value)
+
+
+def _number(value: Any, name: str) -> float | None:
+    if value is None:
+        return None
+    check.require(is_number(value), name, "must be a number", repr(value)[:40], "give one number")
     return float(value)
 
 

@@ -16,6 +16,7 @@ from flowtree.meshing.close_seams import close_seams
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 from flowtree.model.photo import Photo
+from flowtree.model.placement import Placement
 from flowtree.model.skeleton import Skeleton
 from flowtree.model.tree import TreeModel
 from flowtree.pipeline.compare_views import compare_views
@@ -27,6 +28,8 @@ _ALIKE = 0.55
 _LEAST_COVER, _MOST_COVER = 0.01, 0.9
 # Mean alpha along an edge of the picture from which on the crown is cut off there.
 _MOST_ON_EDGE = 0.1
+# What the sides of a picture at which a crown may leave it are called.
+_EDGES = {"left": "left", "right": "right", "top": "upper"}
 
 
 def build_report(
@@ -34,6 +37,7 @@ def build_report(
     photos: Sequence[Photo],
     mattes: Sequence[Matte],
     cameras: Sequence[Camera],
+    placements: Sequence[Placement],
     soft_ious: Sequence[float],
     tree: TreeModel,
     seconds: Mapping[str, float],
@@ -47,6 +51,7 @@ def build_report(
         photos: one a view.
         mattes: one a view.
         cameras: one a view.
+        placements: one a view: what the cameras were made from.
         soft_ious: of the tree with each view's matte.
         tree: the result.
         seconds: that each stage took.
@@ -67,8 +72,11 @@ def build_report(
                 "metres_per_pixel": camera.metres_per_pixel,
                 "foot_pixel": [float(camera.foot[0]), float(camera.foot[1])],
             },
+            "alignment": _alignment(placement),
         }
-        for photo, matte, camera, score in zip(photos, mattes, cameras, soft_ious, strict=True)
+        for photo, matte, camera, placement, score in zip(
+            photos, mattes, cameras, placements, soft_ious, strict=True
+        )
     ]
     leaves = 0 if tree.foliage is None else len(tree.foliage.position)
     return {
@@ -85,8 +93,22 @@ def build_report(
             "watertight": is_watertight(close_seams(tree.wood)[1]),
         },
         "leaves": leaves,
-        "warnings": [*warnings, *_view_warnings(photos, mattes, cameras, tree.height)],
+        "warnings": [*warnings, *_view_warnings(photos, mattes, cameras, placements, tree.height)],
     }
+
+
+def _alignment(placement: Placement) -> dict[str, Any]:
+    """What is known of how the photograph was taken, and where from."""
+    known: dict[str, Any] = {
+        estimate.name: {
+            "value": round(estimate.value, 3),
+            "unit": estimate.unit,
+            "from": estimate.origin,
+            **({} if estimate.deviation is None else {"deviation": round(estimate.deviation, 3)}),
+        }
+        for estimate in placement.estimates
+    }
+    return {**known, "straightened": placement.warp is not None, "leaves_picture_at": [*placement.missing]}
 
 
 def report_bytes(report: Mapping[str, Any]) -> bytes:
@@ -119,17 +141,24 @@ def _skeleton_figures(skeleton: Skeleton) -> dict[str, Any]:
 
 
 def _view_warnings(
-    photos: Sequence[Photo], mattes: Sequence[Matte], cameras: Sequence[Camera], height: float
+    photos: Sequence[Photo],
+    mattes: Sequence[Matte],
+    cameras: Sequence[Camera],
+    placements: Sequence[Placement],
+    height: float,
 ) -> list[str]:
-    warnings = []
-    for photo, matte in zip(photos, mattes, strict=True):
+    warnings = [warning for placement in placements for warning in placement.warnings]
+    for photo, matte, placement in zip(photos, mattes, placements, strict=True):
         cover = float(matte.alpha.mean())
         if cover < _LEAST_COVER:
             warnings.append(f"{photo.name}: only {cover:.1%} of the picture was taken for tree")
         if cover > _MOST_COVER:
             warnings.append(f"{photo.name}: {cover:.0%} of the picture was taken for tree")
-        edges = {"left": matte.alpha[:, 0], "right": matte.alpha[:, -1], "upper": matte.alpha[0]}
-        cut = [side for side, edge in edges.items() if float(edge.mean()) > _MOST_ON_EDGE]
+        if placement.warp is None:
+            edges = {"left": matte.alpha[:, 0], "right": matte.alpha[:, -1], "upper": matte.alpha[0]}
+            cut = [side for side, edge in edges.items() if float(edge.mean()) > _MOST_ON_EDGE]
+        else:  # the straightened picture's edges are not the photograph's
+            cut = [_EDGES[side] for side in placement.missing if side in _EDGES]
         if cut:
             warnings.append(f"{photo.name}: the tree leaves the picture at the {' and '.join(cut)} edge")
     for a, b in combinations(range(len(photos)), 2):

@@ -163,6 +163,7 @@ def reconstruct(
         photos=made["photos"],
         mattes=made["mattes"],
         cameras=made["cameras"],
+        placements=made["placements"],
         soft_ious=made["soft_ious"],
         tree=made["tree"],
         seconds=run.seconds,

@@ -36,6 +36,8 @@ class Stage:
         params: sections of the parameters it reads; others do not make it run again.
         each_view: it runs once a view: an input with an entry a view is that view's own, others are shared,
             and every output has an entry a view.
+        splits: it runs once for all views, and every output is a tuple of one entry a view, small enough to
+            be fingerprinted by its content.
         seeded: the seed changes its result.
         kernels: modules of ``flowtree.kernels`` that it launches from, made ready before it runs.
         share: of the time of a usual run, for the progress bar.
@@ -47,6 +49,7 @@ class Stage:
     outputs: tuple[str, ...]
     params: tuple[str, ...] = ()
     each_view: bool = False
+    splits: bool = False
     seeded: bool = False
     kernels: tuple[str, ...] = ()
     share: float = 1.0

@@ -44,19 +44,23 @@ from flowtree.model.marks import ViewMarks
 from flowtree.model.matte import Matte
 from flowtree.model.mesh import Material, TreeMesh
 from flowtree.model.photo import Photo
+from flowtree.model.placement import Placement
 from flowtree.model.skeleton import Skeleton
 from flowtree.model.traces import FlowTraces
 from flowtree.model.tree import TreeModel
 from flowtree.model.volume import DensityVolume
 from flowtree.photos.check_marks import check_marks
-from flowtree.photos.frame_view import frame_view
+from flowtree.photos.complete_mattes import complete_mattes
 from flowtree.photos.load_photo import load_photo
 from flowtree.photos.mirror_marks import mirror_marks
 from flowtree.photos.mirror_photo import mirror_photo
+from flowtree.photos.place_views import place_views
 from flowtree.photos.read_marks import read_marks
 from flowtree.photos.read_painted_edit import read_painted_edit
 from flowtree.photos.read_scribbles import read_scribbles
 from flowtree.photos.read_trimap import read_trimap
+from flowtree.photos.straighten_lines import straighten_lines
+from flowtree.photos.straighten_view import straighten_view
 from flowtree.pipeline.compare_views import check_same_tree
 from flowtree.pipeline.stage import Job
 from flowtree.render.render_mask import render_mask
@@ -149,10 +153,42 @@ def _flip_line(line: NDArray[np.float32], width: int) -> NDArray[np.float32]:
     return np.stack([np.float32(width) - line[:, 0], line[:, 1]], axis=1)
 
 
-def run_framing(job: Job, matte: Matte, marks: ViewMarks, yaw: float, height: float) -> Camera:
-    """One camera: foot and top, given or the matte's, set the scale."""
+def run_placing(
+    job: Job,
+    photos: tuple[Photo, ...],
+    mattes: tuple[Matte, ...],
+    marks: tuple[ViewMarks, ...],
+    yaws: tuple[float, ...],
+    heights: tuple[float, ...],
+) -> tuple[Placement, ...]:
+    """Where the tree stands in each photograph, from all of them together."""
+    return place_views(photos, mattes, marks, yaws=yaws, height=heights[0], params=job.params.align)
+
+
+def run_framing(
+    job: Job,
+    photo: Photo,
+    matte: Matte,
+    edit: PaintedEdit,
+    placement: Placement,
+) -> tuple[Photo, Matte, PaintedEdit, Camera]:
+    """One view's level, parallel picture of the tree."""
     del job
-    return frame_view(matte, yaw=yaw, height=height, foot=marks.foot, top=marks.top)
+    return *straighten_view(photo, matte, edit, placement), placement.camera
+
+
+def run_lines(
+    job: Job, strokes: Polylines, marks: ViewMarks, placement: Placement
+) -> tuple[Polylines, ViewMarks]:
+    """What was drawn and pointed at, in that picture."""
+    del job
+    return straighten_lines(strokes, marks, placement)
+
+
+def run_completing(job: Job, mattes: tuple[Matte, ...], cameras: tuple[Camera, ...]) -> tuple[Matte, ...]:
+    """Mattes with a guess where they know nothing."""
+    del job
+    return complete_mattes(mattes, cameras)
 
 
 def run_density(

@@ -76,7 +76,7 @@ def test_the_photos_edge_lies_inside_though_its_size_was_rounded(tmp_path):
         ({"foot": [20, 1e300]}, "foot: must lie in the photo"),
         ({"top": [3]}, "top: must be a row"),
         ({"top": False}, "top: must be a row"),
-        ({"top": -2}, "top: must lie in the photo"),
+        ({"top": -202}, "top: must lie in the photo"),
         ({"top": 202}, "top: must lie in the photo"),
         ({"fork": {"x": 1}}, "fork: must be a point"),
         ({"fork": [-9, 3]}, "fork: must lie in the photo"),
@@ -127,6 +127,9 @@ PAIR = st.lists(st.integers(-20, 420), min_size=2, max_size=2)
             "top": st.integers(-9, 209),
             "fork": PAIR,
             "seeds": st.lists(PAIR, max_size=4),
+            "roll": st.floats(-50, 50),
+            "distance": st.floats(allow_nan=True),
+            "focal_length": st.integers(-5, 10**9),
         },
     )
 )
@@ -135,6 +138,10 @@ def test_any_json_is_marks_inside_the_picture_or_an_input_error(tmp_path_factory
         marks = read(tmp_path_factory.mktemp("junk"), content)
     except InputError:
         return
-    points = [marks.foot or (0, 0), marks.fork or (0, 0), (0, marks.top or 0), *marks.seeds]
+    points = [marks.fork or (0, 0), *marks.seeds]
     assert (np.array(points) >= 0).all()
     assert (np.array(points) <= (200, 100)).all()
+    if marks.foot is not None:  # a frame may cut off the foot, and the top
+        assert 0 <= marks.foot[0] <= 200
+        assert 0 <= marks.foot[1] <= 200
+    assert -100 <= (marks.top or 0) <= 100

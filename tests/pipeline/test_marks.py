@@ -112,7 +112,6 @@ def test_the_trunk_passes_through_a_given_fork(pair, made, cache, tmp_path, fork
     file = _write(tmp_path, {"fork": fork})
     marked = reconstruct(pair, height=HEIGHT, params=SMALL, strokes=[file], cache=cache)
     graph, camera = marked.graphs[0], marked.cameras[0]
-    assert camera is not made.cameras[0]
     assert camera == made.cameras[0], "a fork moves no camera"
     stem = graph.points[_stem(graph)]
     place = pixels_to_plane([fork], camera)[0]
