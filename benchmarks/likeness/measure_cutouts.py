@@ -10,6 +10,7 @@ from benchmarks.likeness.bench import Bench, Row, mean
 from benchmarks.likeness.draw_scribble import BACKGROUND, TREE, draw_scribble
 from benchmarks.likeness.matte_error import matte_error
 from benchmarks.likeness.paint_photo import SKIES, paint_photo
+from benchmarks.likeness.show_mattes import show_mattes
 from benchmarks.likeness.show_sheet import show_sheet
 from flowtree.matting.extract_matte import extract_matte
 from flowtree.pipeline.reconstruct import reconstruct
@@ -31,13 +32,16 @@ def measure_cutouts(bench: Bench, names: Sequence[str]) -> list[Row]:
             item = f"{name} {weather}"
             alone[item] = matte_error(alpha, truth)
             scribbles = np.zeros(alpha.shape, np.uint8)
+            steps = [(alpha, scribbles)]
             for kind in (TREE, BACKGROUND):
                 more = draw_scribble(alpha, truth, scribbles, labels=(kind,))
                 if more is None:
                     continue
                 scribbles = more
                 alpha = extract_matte(photo, scribbles=scribbles, params=bench.params.matting).alpha
+                steps.append((alpha, scribbles))
             mended[item] = matte_error(alpha, truth)
+            show_mattes(bench, f"matte_{name}_{weather}", photo, truth, steps)
         if bench.folder is not None:
             first, _ = paint_photo(bench.data / "cutouts" / f"{name}.png", next(iter(SKIES.values())))
             made = reconstruct([first], params=bench.params, cache=bench.cache)

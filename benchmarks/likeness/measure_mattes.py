@@ -9,6 +9,7 @@ import numpy as np
 from benchmarks.likeness.bench import Bench, Row, load_grey, mean
 from benchmarks.likeness.draw_scribble import draw_scribble
 from benchmarks.likeness.matte_error import matte_error
+from benchmarks.likeness.show_mattes import show_mattes
 from flowtree.matting.extract_matte import extract_matte
 from flowtree.photos.load_photo import load_photo
 
@@ -31,13 +32,16 @@ def measure_mattes(bench: Bench, names: Sequence[str]) -> list[Row]:
             item = f"{name} {number}"
             alone[item] = matte_error(alpha, truth)
             scribbles = np.zeros(alpha.shape, np.uint8)
+            steps = [(alpha, scribbles)]
             for _ in range(_STROKES):
                 more = draw_scribble(alpha, truth, scribbles)
                 if more is None:
                     break
                 scribbles = more
                 alpha = extract_matte(photo, scribbles=scribbles, params=bench.params.matting).alpha
+                steps.append((alpha, scribbles))
             mended[item] = matte_error(alpha, truth)
+            show_mattes(bench, f"matte_{name}_{number}", photo, truth, steps)
     return [
         Row("matte error of loose photos, automatic", _AUTOMATIC, mean(alone), alone, at_most=True),
         Row("the same, after three scribbles", _SCRIBBLED, mean(mended), mended, at_most=True),
