@@ -30,6 +30,7 @@ _SHAPES = 16  # different twigs; more would not be told apart
 _FULL = 0.4  # optical depth over the whole view, in squared heights, of a crown that is given all twigs
 _SHEATH = 0.1  # of its length, the radius of the leaves around a twig
 _BARE = 5.0  # times as many places on a bare tree, where every twig is seen
+_BARE_MOST = 1.5  # times as many twigs at most, for they hide less than leaves do
 _SLIMMER = 0.8  # times its branch's radius, a twig's at most
 _WORTH = 0.03  # alpha that must be missing where a twig would stand, in the mean over it
 _OPEN = 0.9  # of the leaves around a twig at most
@@ -87,16 +88,15 @@ def grow_twigs(
         twigs = twigs.take(_worth(canvas, twigs.points[:, :3]) > _WORTH)
     if not len(twigs.node) or params.most == 0:
         return skeleton
-    sheath, share = None, 1.0
+    sheath, share, most = None, 1.0, round(_BARE_MOST * params.most)
     if leafy:
         sheath = _SHEATH * length
-        share = min(_FULL * height**2 / params.most / (2 * sheath * length), _OPEN)
+        most = params.most
+        share = min(_FULL * height**2 / most / (2 * sheath * length), _OPEN)
     covers = [_covers(c, skeleton, shapes, twigs, sheath=sheath, share=share) for c in canvases]
     batch = (_BATCHES * place_chance(twigs.code, seed, twigs.number + _BATCH)).astype(np.int64)
     chance = place_chance(twigs.code, seed, twigs.number + _CHANCE)
-    chosen = choose_cover(canvases, covers, batch=batch, chance=chance)
-    if leafy and chosen.sum() > params.most:  # the leaves of a dense crown need no more
-        chosen &= chance <= np.partition(chance[chosen], params.most - 1)[params.most - 1]
+    chosen = choose_cover(canvases, covers, batch=batch, chance=chance, most=most)
     return _append(skeleton, shapes, twigs.take(chosen))
 
 

@@ -11,7 +11,8 @@ from scipy.spatial.transform import Rotation
 from scipy.special import ndtri
 
 from flowtree.geometry.choose_cover import choose_poses
-from flowtree.geometry.cover_canvas import CELLS, RING, lay_canvas
+from flowtree.geometry.cover_canvas import CELLS, RING, CoverCanvas, lay_canvas
+from flowtree.geometry.footprint_means import optical_depth
 from flowtree.geometry.parent_array import levels
 from flowtree.geometry.place_chance import place_chance
 from flowtree.geometry.place_code import place_code
@@ -24,6 +25,12 @@ _SIZES = (16, 4, 1)  # particles of what is turned as one, at most: first sprays
 _POSES = 12
 _SHORTEST, _LONGEST = 0.7, 1.25  # factors to the length
 _CONTENTED = 0.5  # share of the best pose's merit with which a branch stays as the flow left it
+_THICKEST = 2.5  # factor to the radius of thin branches at most
+_THICK = 512.0  # particles of a branch that is not thickened
+_DENSEST = 2.5  # optical depth that twigs alone can have
+_SIDE = 0.4  # length of a side twig to its twig's
+_SLIM = 0.5  # of a twig's width at its base, what is seen of it from a random side, tips and all
+_STEPS = 4  # of the thickness, to each doubling: a bit of a matte must not change all branches
 _BATCHES = 8
 _STREAMS = 8  # random numbers of a pose
 
@@ -45,21 +52,51 @@ def turn_twigs(
     each are drawn, and `choose_poses` takes those with which the alpha of all wood comes nearest to the
     mattes'. A spray that does well where it is stays there; one that does harm in every pose goes.
 
+    Before, where the mattes show more wood than the branches and all twigs aimed at have, thin branches are
+    thickened: they bear the twigs, and no twig is thicker than its branch.
+
     Args:
         skeleton: branches with radii.
         mattes: one a view.
         cameras: theirs.
         height: of the tree [m].
-        params: how far a spray may turn.
+        params: how far a spray may turn; number and size of the twigs.
         seed: of the poses.
 
-    Returns: the skeleton with moved nodes, without those of dropped sprays; radii stay.
+    Returns: the skeleton with moved nodes, without those of dropped sprays.
     """
-    if params.turn == 0.0:
-        return skeleton
-    for size in _SIZES:
+    skeleton = _thicken(skeleton, mattes, cameras, height, params)
+    for size in _SIZES if params.turn > 0.0 else ():
         skeleton = _turn_sprays(skeleton, size, mattes, cameras, height, params, seed)
     return skeleton
+
+
+def _thicken(
+    skeleton: Skeleton, mattes: Sequence[Matte], cameras: Sequence[Camera], height: float, params: TwigParams
+) -> Skeleton:
+    """Makes thin branches thicker, the thinnest most, where all twigs aimed at could not fill the mattes."""
+    thin = skeleton.particles <= params.bearing_particles
+    if params.most == 0 or not thin.any():
+        return skeleton
+    lacking = []
+    for matte, camera in zip(mattes, cameras, strict=True):
+        canvas = _lay(matte, camera, height).with_tree(skeleton.parent, skeleton.points, skeleton.radius)
+        wanted, shown = (optical_depth(a.astype(np.float64)) for a in (canvas.wanted, canvas.shown()))
+        room = np.minimum(wanted, _DENSEST) - shown
+        lacking.append(float((np.maximum(room, 0.0) * canvas.known).sum()) * canvas.grid.cell**2)
+    radius = min(params.radius * height, float(np.median(skeleton.radius[thin])))
+    length = params.bare_length * height * (1.0 + _SIDE * params.side_twigs)
+    factor = float(np.mean(lacking)) / (params.most * length * 2.0 * _SLIM * radius)
+    factor = float(np.exp2(np.floor(_STEPS * np.log2(np.clip(factor, 1.0, _THICKEST))) / _STEPS))
+    share = np.clip(1.0 - np.log(np.maximum(skeleton.particles, 1)) / np.log(_THICK), 0.0, 1.0)
+    grown = skeleton.radius * factor**share
+    for nodes in levels(skeleton.parent)[1:]:
+        grown[nodes] = np.minimum(grown[nodes], grown[skeleton.parent[nodes]])
+    return replace(skeleton, radius=grown.astype(np.float32))
+
+
+def _lay(matte: Matte, camera: Camera, height: float) -> CoverCanvas:
+    return lay_canvas(matte.alpha, matte.unknown, camera, cell=height / CELLS)
 
 
 @dataclass(frozen=True)
@@ -110,7 +147,7 @@ def _turn_sprays(
     rest = np.where(still, parent, -1)
     canvases, covers = [], []
     for matte, camera in zip(mattes, cameras, strict=True):
-        canvas = lay_canvas(matte.alpha, matte.unknown, camera, cell=height / CELLS)
+        canvas = _lay(matte, camera, height)
         canvases.append(canvas.with_tree(rest, skeleton.points, skeleton.radius))
         covers.append(canvas.rod_covers(start, end, radius[rod], row, count * _POSES))
     batch = (_BATCHES * place_chance(code, seed, 0)).astype(np.int64)

@@ -102,8 +102,9 @@ def place_leaves(
         chance=chance,
         start=chance < likely,
         weight=np.clip(likely / max(float(np.quantile(likely, 0.9)), 1e-9), 0.1, 1.0),
+        most=params.most,
     )
-    places = _at_most(places, chosen, chance, params.most)
+    places = places.take(chosen)
     if not len(places.node):
         return None
     return Foliage(
@@ -237,12 +238,3 @@ def _covers(canvas: CoverCanvas, places: _Places, coverage: float, width: float)
 
 def _points(pixels: float) -> int:
     return int(np.clip(np.ceil(pixels), _FEWEST, _FINEST))
-
-
-def _at_most(places: _Places, chosen: NDArray[np.bool_], chance: NDArray[np.float64], most: int) -> _Places:
-    """The chosen places; where they are too many, fewer and larger ones that cover as much."""
-    excess = max(float(chosen.sum()) / most, 1.0)
-    if excess > 1.0:
-        chosen = chosen & (chance <= np.partition(chance[chosen], most - 1)[most - 1])
-    kept = places.take(chosen)
-    return replace(kept, length=kept.length * np.sqrt(excess))

@@ -23,6 +23,7 @@ def choose_cover(
     chance: NDArray[np.float64],
     start: NDArray[np.bool_] | None = None,
     weight: NDArray[np.float64] | None = None,
+    most: int | None = None,
     sweeps: int = _SWEEPS,
 ) -> NDArray[np.bool_]:
     """Which things stay, so that the alpha of those that do comes near the wanted one in every cell.
@@ -43,6 +44,7 @@ def choose_cover(
         chance: (n,) in 0..1, each thing's own random number.
         start: (n,) what is there before the first sweep; None for nothing.
         weight: (n,) in 0..1, factors to the probabilities until the last two sweeps: likelier things first.
+        most: that may stay: where more would, those that gain least have to go; None for no limit.
         sweeps: over all batches.
 
     Returns: (n,) which stay.
@@ -50,20 +52,30 @@ def choose_cover(
     loop = _Loop(canvases, covers, batch, 1)
     chosen = np.full(loop.count, _NONE) if start is None else np.where(start, 0, _NONE)[loop.order]
     luck, likely = chance[loop.order], None if weight is None else weight[loop.order]
+    worth, least = np.zeros(loop.count, np.float32), 0.0
     loop.put(chosen)
     for sweep in range(sweeps):
         for part in loop.parts:
             loop.take(part, chosen[part])
             gain, seen = loop.gains(part)
-            better = gain[:, 0] > 0.0
+            worth[part] = gain[:, 0]
+            better = worth[part] > least
             share = loop.room(part, np.where(better, 0, _NONE), seen)
             if likely is not None and sweep < sweeps - 2:
                 share *= likely[part]
             chosen[part] = np.where(better & (luck[part] < share), 0, _NONE)
             loop.put(chosen[part], part)
+        least = max(least, _least_worth(worth[chosen == 0], most))
     kept = np.zeros(loop.count, np.bool_)
-    kept[loop.order] = chosen == 0
+    kept[loop.order] = (chosen == 0) & (worth > least)
     return kept
+
+
+def _least_worth(worth: NDArray[np.float32], most: int | None) -> float:
+    """What all but ``most`` of them do not exceed."""
+    if most is None or len(worth) <= most:
+        return 0.0
+    return float(np.partition(worth, -most - 1)[-most - 1]) if most else float(worth.max())
 
 
 def choose_poses(
@@ -194,7 +206,7 @@ class _View:
         self.canvas, self.cover = canvas, cover
         self.depths = sparse.csr_array((-np.log1p(-cover.data), cover.indices, cover.indptr), cover.shape)
         cells = sparse.csr_array(
-            (cover.data.copy(), cover.indices // (FINE * FINE), cover.indptr.copy()),
+            (cover.data.copy(), canvas.cell_index(cover.indices), cover.indptr.copy()),
             shape=(cover.shape[0], canvas.grid.columns * canvas.grid.rows + 1),
         )
         cells.sum_duplicates()

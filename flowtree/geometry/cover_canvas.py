@@ -16,6 +16,7 @@ from flowtree.geometry.projection import View, view_axes
 FINE = 4  #: pixels of a canvas along a cell's side: about what a leaf is wide
 RING = 0.93  #: width of a branch's surface, rings of a few corners, to that of the round branch
 CELLS = 64  #: along a tree's height, from its foot: those of `soft_iou`; across them a choice is worth less
+_GUESSED = np.float32(0.5)  # what an unknown pixel counts less: its alpha is a guess from around
 _MARGIN = 1  # cells around the picture, where nothing should be
 
 _Floats = NDArray[np.floating[Any]]
@@ -31,7 +32,7 @@ class CoverCanvas:
     Attributes:
         grid: the cells.
         wanted: (columns, rows) alpha that each cell should show.
-        known: (columns, rows) in 0..1, how much of each cell's alpha is known at all.
+        known: (columns, rows) in 0..1, how surely each cell's alpha is known.
         depth: (pixels + 1,) float32, optical depth of what stands there anyway.
     """
 
@@ -58,23 +59,27 @@ class CoverCanvas:
         return np.float32(self.grid.cell / FINE)
 
     def index(self, x: NDArray[np.float32], y: NDArray[np.float32]) -> NDArray[np.int32]:
-        """Pixels' indices of places [pixels], cell by cell; the last one for all beside the canvas."""
+        """Pixels' indices of places [pixels], one of every cell after the other; the last for all beside."""
         i, j = np.floor(x).astype(np.int32), np.floor(y).astype(np.int32)
         inside = (i >= 0) & (i < self.grid.columns * FINE) & (j >= 0) & (j < self.grid.rows * FINE)
         cell = i // FINE * np.int32(self.grid.rows) + j // FINE
-        pixel = cell * (FINE * FINE) + i % FINE * FINE + j % FINE
+        pixel = (i % FINE * FINE + j % FINE) * np.int32(self.wanted.size) + cell
         return np.where(inside, pixel, np.int32(len(self.depth) - 1))
+
+    def cell_index(self, pixels: NDArray[np.int32]) -> NDArray[np.int32]:
+        """The cell of each pixel's index; one more than there are for what lies beside the canvas."""
+        cells = np.int32(self.wanted.size)
+        return np.where(pixels == len(self.depth) - 1, cells, pixels % cells).astype(np.int32)
 
     def cell_means(self, picture: NDArray[np.float32]) -> NDArray[np.float32]:
         """Means (columns, rows) over the pixels (pixels + 1,) of each cell."""
-        each = np.full(FINE * FINE, 1.0 / (FINE * FINE), np.float32)
-        means = picture[:-1].reshape(-1, FINE * FINE) @ each
-        return np.asarray(means.reshape(self.grid.columns, self.grid.rows), np.float32)
+        means = picture[:-1].reshape(FINE * FINE, -1).sum(axis=0) * np.float32(1.0 / FINE**2)
+        return np.asarray(means.reshape(self.wanted.shape), np.float32)
 
     def spread(self, cells: NDArray[np.float32]) -> NDArray[np.float32]:
         """Each cell's value in all its pixels (pixels + 1,); 0 beside the canvas."""
         wide = np.zeros(len(self.depth), np.float32)
-        wide[:-1].reshape(-1, FINE * FINE)[:] = cells.reshape(-1, 1)
+        wide[:-1].reshape(FINE * FINE, -1)[:] = cells.reshape(1, -1)
         return wide
 
     def shown(self) -> NDArray[np.float32]:
@@ -200,6 +205,6 @@ def lay_canvas(
 
     known = np.ones((grid.columns, grid.rows), np.float32)
     if unknown is not None and unknown.any():
-        known -= np.clip(means(unknown.astype(np.float32)), 0.0, 1.0)
+        known -= _GUESSED * np.clip(means(unknown.astype(np.float32)), 0.0, 1.0)
     pixels = grid.columns * grid.rows * FINE * FINE
     return CoverCanvas(grid, means(alpha), known, np.zeros(pixels + 1, np.float32))
