@@ -113,6 +113,22 @@ class FieldParams(StageParams):
     angle: float = _number(
         45.0, "angle between field and graph under constant blending", ge=0, le=90, unit="degrees"
     )
+    angles: tuple[float, ...] = _choice(
+        (), "the same [degrees] for each level of branches, the stem's first; the last holds for all beyond"
+    )
+    climb: float | None = _number(
+        None,
+        "how far branches climb for their length to the side, below 0 hang; left out, it goes by the habit",
+        ge=-2,
+        le=2,
+    )
+
+    @field_validator("angles")
+    @classmethod
+    def _check_angles(cls, value: tuple[float, ...]) -> tuple[float, ...]:
+        if not all(0.0 <= angle <= 90.0 for angle in value):
+            raise ValueError("must be angles of 0 to 90 degrees")
+        return value
 
 
 class DensityParams(StageParams):

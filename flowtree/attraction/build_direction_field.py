@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from flowtree import check
 from flowtree import device as devices
+from flowtree.attraction.branch_levels import branch_levels
 from flowtree.geometry.polylines import nearest_on_segments
 from flowtree.kernels.nearest_segment import nearest_segment
 from flowtree.model.attractor import AttractorGraph
@@ -39,7 +40,7 @@ def build_direction_field(
     At every cell's centre x, with g the nearest point of the graph, v the unit vector from x to g, t the unit
     tangent of the graph at g toward the foot and d = |g - x|: f = h(d) v + (1 - h(d)) t. Linear: h grows
     from 0 on the graph to 1 at ``params.reach`` tree heights. Constant: h is such that f leaves t by
-    ``params.angle`` where v is perpendicular to t.
+    ``params.angle``, or that of ``params.angles`` for the branch's level, where v is perpendicular to t.
 
     Deviations: f is normalised, for a weak field would make stragglers; where the two parts cancel f points
     to the foot; around the root's end, where no graph is left to follow, f is v. Tangents are smoothed over
@@ -84,13 +85,15 @@ def build_direction_field(
     steps = np.arange(params.resolution) + 0.5
     x, y = np.meshgrid(left + steps * cell[0], bottom + steps * cell[1])
     centres = np.stack([x.ravel(), y.ravel()], axis=1)
-    offset, tangent = _nearest(centres, parent, points, devices.pick_device(device))
+    offset, tangent, node = _nearest(centres, parent, points, devices.pick_device(device))
     distance = np.linalg.norm(offset, axis=1)
     if params.blending == "linear":
         h = np.clip(distance / (params.reach * height), 0.0, 1.0)
     else:
-        turn = np.radians(params.angle)
-        h = np.full(len(centres), np.sin(turn) / (np.sin(turn) + np.cos(turn)))
+        angles = np.array(params.angles or (params.angle,))
+        level = branch_levels(parent.astype(np.int32), points)[node]
+        turn = np.radians(angles[np.minimum(level, len(angles) - 1)])
+        h = np.sin(turn) / (np.sin(turn) + np.cos(turn))
     toward = np.divide(offset, distance[:, None], out=np.zeros_like(offset), where=distance[:, None] > 0.0)
     # Exactly on the graph there is no direction to it: only the tangent is left.
     h = np.where(distance > 0.0, h, 0.0)[:, None]
@@ -116,8 +119,8 @@ def _bounds(points: _Array, height: float) -> tuple[float, float, float, float]:
 
 def _nearest(
     centres: _Array, parent: NDArray[np.int64], points: _Array, device: str
-) -> tuple[_Array, _Array]:
-    """Vector (m, 2) to the nearest point of the graph and the unit tangent (m, 2) there.
+) -> tuple[_Array, _Array, NDArray[np.int64]]:
+    """Vector (m, 2) to the nearest point of the graph, the unit tangent (m, 2) there, the node (m,) above it.
 
     Segments that share their nearest point with another meet there, and have one tangent there: it does not
     matter which of them float32 finds.
@@ -131,7 +134,7 @@ def _nearest(
     tangent = (1.0 - along) * tangents[parent[child]][chosen] + along * tangents[child][chosen]
     at_root = (fraction == 0.0) & (np.abs(starts[chosen]).max(axis=1) == 0.0)
     tangent[at_root] = _unit(offset[at_root], tangent[at_root])
-    return offset, _unit(tangent, -centres)
+    return offset, _unit(tangent, -centres), child[chosen]
 
 
 def _search(centres: _Array, starts: _Array, ends: _Array, device: str) -> NDArray[np.int32]:

@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 from scipy.spatial import cKDTree
 
+from flowtree.attraction.branch_levels import branch_levels
 from flowtree.geometry.polylines import nearest_on_segments
-from flowtree.model.attractor import LimbTree
+from flowtree.model.attractor import Habit, LimbTree
 from flowtree.model.field import LimbField
 from flowtree.model.volume import DensityVolume
 from flowtree.params import FieldParams
@@ -16,11 +17,24 @@ from flowtree.params import FieldParams
 _POINTS = 56  # along the height, of the box: limbs a fiftieth of the height apart have fields of their own
 _FAR = 1.6  # reaches, beyond which the views' own fields lead
 
+#: How much higher than its foot on the limb a branch's outer end is, for its length to the side.
+_CLIMB: dict[Habit, float] = {
+    "upright": 0.8,
+    "spreading": 0.0,
+    "weeping": -0.5,
+    "conifer": -0.15,
+    "palm": 0.0,
+}
+
 _Array = NDArray[np.float64]
 
 
 def build_limb_field(
-    limbs: LimbTree, volume: DensityVolume, *, params: FieldParams = FieldParams()
+    limbs: LimbTree,
+    volume: DensityVolume,
+    *,
+    habit: Habit = "spreading",
+    params: FieldParams = FieldParams(),
 ) -> LimbField:
     """Directions that lead to the nearest limb and along it to the foot: equation 3, but in space.
 
@@ -28,10 +42,15 @@ def build_limb_field(
     another, limb or not. Around the limbs in space this field takes its place; far from all of them the
     views' fields are left to lead.
 
+    Deviations: far from a limb the direction to it is lifted or lowered, as far as the habit says, so that
+    branches hang from their limbs or climb from them; under constant blending every level of limbs has an
+    angle of its own.
+
     Args:
         limbs: the root at the origin.
         volume: the field is asked for where it holds density.
-        params: as for the views' fields: reach, blending, angle.
+        habit: says how steeply branches climb where ``params.climb`` does not.
+        params: as for the views' fields: reach, blending, angle; besides the angles of the levels.
 
     Returns: vectors of length 1 within ``params.reach`` of a limb, falling to 0 farther away.
     """
@@ -48,12 +67,18 @@ def build_limb_field(
     line = limbs.points.astype(np.float64)
     height = float(shape[1]) * float(volume.voxel)
     vectors = np.zeros((*counts, 3), np.float32)
-    vectors[asked] = _vectors(place[asked], limbs.parent, line, params, params.reach * height)
+    climb = _CLIMB[habit] if params.climb is None else params.climb
+    vectors[asked] = _vectors(place[asked], limbs.parent, line, params, params.reach * height, climb)
     return LimbField(vectors, corner.astype(np.float32), spacing)
 
 
 def _vectors(
-    place: _Array, parent: NDArray[np.int32], line: _Array, params: FieldParams, reach: float
+    place: _Array,
+    parent: NDArray[np.int32],
+    line: _Array,
+    params: FieldParams,
+    reach: float,
+    climb: float,
 ) -> NDArray[np.float32]:
     """The field (n, 3) at places (n, 3)."""
     child = np.arange(1, len(line))
@@ -66,9 +91,14 @@ def _vectors(
     if params.blending == "linear":
         h = np.clip(distance / reach, 0.0, 1.0)
     else:
-        turn = np.radians(params.angle)
-        h = np.full(len(place), np.sin(turn) / (np.sin(turn) + np.cos(turn)))
+        angles = np.array(params.angles or (params.angle,))
+        level = branch_levels(parent, line)[child][segment]
+        turn = np.radians(angles[np.minimum(level, len(angles) - 1)])
+        h = np.sin(turn) / (np.sin(turn) + np.cos(turn))
     toward = offset / np.maximum(distance, 1e-12)[:, None]
+    # The particle flows down the branch that will be: where branches climb it comes from above.
+    toward[:, 1] -= climb * np.clip(distance / reach, 0.0, 1.0)
+    toward /= np.maximum(np.linalg.norm(toward, axis=1, keepdims=True), 1e-12)
     tangent = start - end
     tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-12)
     force = h[:, None] * toward + (1.0 - h[:, None]) * tangent

@@ -30,6 +30,7 @@ def choose_seeds(
     count: int,
     mode: Literal["farthest", "random"],
     rng: np.random.Generator,
+    hanging: bool = False,
 ) -> NDArray[np.intp]:
     """Seed cells on the silhouette of the crown (Particle Flows, section 4).
 
@@ -37,9 +38,17 @@ def choose_seeds(
     farthest from all before it, from the crown's top on. Every seed then moves to the densest cell near it.
     A bare tree gets up to a third as many again at ends of twigs far from those, wherever they lie.
 
+    Args:
+        grid: the working picture.
+        crown: its filled shape.
+        count: of seeds on the silhouette at most.
+        mode: how they are spread.
+        rng: for ``mode`` random.
+        hanging: branches end at the crown's underside, too.
+
     Returns: (k, 2) (row, column), those on the silhouette first.
     """
-    rim = _silhouette(crown, grid.tall)
+    rim = _silhouette(crown, grid.tall, underside=hanging)
     if count == 0 or len(rim) == 0:
         return np.zeros((0, 2), np.intp)
     if mode == "random":
@@ -80,15 +89,15 @@ def spread_points(
     return np.array(order, np.intp)
 
 
-def _silhouette(crown: CrownOutline, tall: float) -> NDArray[np.intp]:
+def _silhouette(crown: CrownOutline, tall: float, *, underside: bool) -> NDArray[np.intp]:
     """The rim cells (n, 2) of the crown, top row first; the stem's sides are no place for a seed."""
     shape = np.pad(crown.shape, 1)
     rim = (shape & ~ndimage.binary_erosion(shape))[1:-1, 1:-1]
-    # The underside of a crown carries few branches: no seeds where the outline faces the ground.
+    # The underside of a crown that does not hang carries few branches: no seeds where it faces the ground.
     blurred = ndimage.gaussian_filter(crown.shape.astype(np.float64), max(1.0, 0.02 * tall))
     down, right = np.gradient(blurred)
-    underside = -down > _UNDERSIDE * np.hypot(down, right) + 1e-12
-    cells = np.argwhere(rim & ~underside)
+    below = -down > _UNDERSIDE * np.hypot(down, right) + 1e-12
+    cells = np.argwhere(rim if underside else rim & ~below)
     in_crown = cells[cells[:, 0] <= min(crown.base, crown.foot - _GROUND * tall)]
     return in_crown if len(in_crown) else cells[:1]
 

@@ -20,10 +20,11 @@ from flowtree.attraction.measure_limbs import measure_limbs
 from flowtree.attraction.outline_crown import CrownOutline, outline_crown
 from flowtree.attraction.shape_branches import shape_branches
 from flowtree.attraction.stem_likeness import stem_likeness
+from flowtree.attraction.weigh_habit import weigh_habit
 from flowtree.attraction.weigh_structures import weigh_structures
 from flowtree.geometry.polylines import drop_repeats
 from flowtree.geometry.projection import pixels_to_plane
-from flowtree.model.attractor import AttractorGraph
+from flowtree.model.attractor import AttractorGraph, Habit
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 from flowtree.model.photo import Photo
@@ -33,6 +34,7 @@ _CROWDED = 0.03  # of the height: an automatic seed this near to a drawn branch 
 _STUB = 0.055  # of the height: shorter automatic branches are noise of the outline
 _WOOD = 0.6  # likeness to the stem's colour from which a thin part of a leafy tree is a limb
 _THIN = 0.02  # of the height: half width up to which it is thin
+_UPRIGHT_MERGING = 0.4  # times the merging: limbs of an upright crown stay apart
 _BARRED = 10.0  # times dearer: beside the stem below a given first fork
 _CLOSED = 1e4  # times dearer: that stem itself, so that no other path joins it
 
@@ -48,6 +50,7 @@ def trace_attractor_graph(
     seeds: ArrayLike | None = None,
     target: tuple[float, float] | None = None,
     leafy: bool = True,
+    habit: Habit = "spreading",
     params: AttractionParams = AttractionParams(),
     seed: int = 0,
 ) -> AttractorGraph:
@@ -69,6 +72,8 @@ def trace_attractor_graph(
             foot passes exactly through it. None is the foot.
         leafy: whether the tree bears leaves. Limbs that show are all traced, those of a bare tree by the
             matte alone, of a leafy one where they are thin and have the stem's colour.
+        habit: a conifer has one straight leader, a palm one shoot; an upright crown's limbs part low; a
+            weeping crown's climb before they hang.
         params: see `AttractionParams`.
         seed: of the random seeds and the disturbance; same seed, same bytes.
 
@@ -111,6 +116,7 @@ def trace_attractor_graph(
     # Of a leafy tree only what has the stem's colour and is thin is sure to be no leaves.
     shown = (wood > _WOOD) & (half < _THIN) if leafy else np.ones(wood.shape, np.bool_)
     cost = weigh_structures(grid, crown, rng, wood, None if leafy else (middle, half))
+    cost *= weigh_habit(grid, crown, habit, foot[0]) if leafy else 1.0
     goal = root
     if fork is not None:
         place = grid.to_cells(fork[None, :])[0]
@@ -119,9 +125,12 @@ def trace_attractor_graph(
     attach_strokes(tree, cost, [grid.to_cells(line) for line in lines], tall=grid.tall)
     if automatic > 0:
         cover_limbs(tree, cost, np.where(shown, middle, 0.0), half, target=goal, tall=grid.tall)
-    found = choose_seeds(grid, crown, count=automatic, mode=params.seed_mode, rng=rng)
+    found = choose_seeds(
+        grid, crown, count=automatic, mode=params.seed_mode, rng=rng, hanging=habit == "weeping"
+    )
     found = _away_from_strokes(found, tree, _CROWDED * grid.tall)
-    main = _limb_count(crown)
+    main = 1 if habit in ("conifer", "palm") else _limb_count(crown)
+    merging = params.merging * (_UPRIGHT_MERGING if habit == "upright" else 1.0)
     for cells, shortest in ((grid.cell_at(grid.to_cells(given)), 0.0), (found, _STUB)):
         grow_paths(
             tree,
@@ -130,7 +139,7 @@ def trace_attractor_graph(
             target=goal,
             tall=grid.tall,
             limbs=main,
-            merging=params.merging,
+            merging=merging,
             shortest=shortest,
         )
     if len(tree.parent) == 1:  # a tree of so few pixels that no path is long enough: a stem without branches

@@ -15,6 +15,7 @@ from flowtree.attraction.bend_direction_field import bend_direction_field
 from flowtree.attraction.build_direction_field import build_direction_field
 from flowtree.attraction.build_limb_field import build_limb_field
 from flowtree.attraction.clear_painted import clear_painted, fade_painted
+from flowtree.attraction.judge_habit import judge_habit
 from flowtree.attraction.lift_graphs import lift_graphs
 from flowtree.attraction.read_strokes import read_strokes
 from flowtree.attraction.trace_attractor_graph import trace_attractor_graph
@@ -35,7 +36,7 @@ from flowtree.meshing.load_bark import load_bark
 from flowtree.meshing.measure_bark import measure_bark
 from flowtree.meshing.paint_bark import paint_bark
 from flowtree.meshing.sweep_rings import sweep_rings
-from flowtree.model.attractor import AttractorGraph, LimbTree
+from flowtree.model.attractor import AttractorGraph, Habit, LimbTree
 from flowtree.model.camera import Camera
 from flowtree.model.edit import PaintedEdit
 from flowtree.model.field import DirectionField, LimbField
@@ -211,6 +212,7 @@ def run_attraction(
     strokes: Polylines,
     marks: ViewMarks,
     leafy: bool,
+    habit: Habit,
 ) -> AttractorGraph:
     """The attractor graph of one view, steered by what was drawn and pointed at."""
     return trace_attractor_graph(
@@ -221,6 +223,7 @@ def run_attraction(
         seeds=marks.seeds,
         target=marks.fork,
         leafy=leafy,
+        habit=habit,
         params=job.params.attraction,
         seed=job.seed,
     )
@@ -250,9 +253,16 @@ def run_limb_field(
     volume: DensityVolume,
     cameras: tuple[Camera, ...],
     edits: tuple[PaintedEdit, ...],
+    habit: Habit,
 ) -> LimbField:
     """The direction field in space around the limbs, but where another direction is painted."""
-    return fade_painted(build_limb_field(limbs, volume, params=job.params.field), cameras, edits)
+    field = build_limb_field(limbs, volume, habit=habit, params=job.params.field)
+    return fade_painted(field, cameras, edits)
+
+
+def run_habit(job: Job, mattes: tuple[Matte, ...], cameras: tuple[Camera, ...], leafy: bool) -> Habit:
+    """Which way the branches grow."""
+    return judge_habit(mattes, cameras, leafy=leafy, params=job.params.attraction)
 
 
 def run_flow(

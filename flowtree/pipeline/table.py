@@ -108,12 +108,20 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="attraction",
         run=steps.run_attraction,
-        inputs=("photos", "mattes", "cameras", "strokes", "marks", "leafy"),
+        inputs=("photos", "mattes", "cameras", "strokes", "marks", "leafy", "habit"),
         outputs=("graphs",),
         params=("attraction",),
         each_view=True,
         seeded=True,
         share=0.6,
+    ),
+    Stage(
+        name="habit",
+        run=steps.run_habit,
+        inputs=("mattes", "cameras", "leafy"),
+        outputs=("habit",),
+        params=("attraction",),
+        share=0.02,
     ),
     Stage(
         name="limbs",
@@ -135,7 +143,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="limb field",
         run=steps.run_limb_field,
-        inputs=("limbs", "volume", "cameras", "edits"),
+        inputs=("limbs", "volume", "cameras", "edits", "habit"),
         outputs=("limb_field",),
         params=("field",),
         share=0.1,
