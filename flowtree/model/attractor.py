@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+
+#: Which way branches grow.
+Habit = Literal["upright", "spreading", "weeping", "conifer", "palm"]
 
 
 @dataclass(frozen=True)
