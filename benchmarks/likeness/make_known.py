@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from benchmarks.likeness.bench import Bench
 from benchmarks.measure_truth import INPUTS, Truth, mark_ends
+from flowtree.model.edit import PaintedEdit
 from flowtree.pipeline.reconstruct import Reconstruction, reconstruct
 from flowtree.render.render_mask import render_mask
 
@@ -22,6 +23,7 @@ def make_known(
     seed: int = 0,
     mattes: Mapping[int, NDArray[np.float32]] | None = None,
     strokes: Mapping[int, Sequence[NDArray[np.float32]]] | None = None,
+    paint: Mapping[int, PaintedEdit] | None = None,
 ) -> Reconstruction:
     """The tree from the views at `INPUTS`, foot and top given.
 
@@ -31,6 +33,7 @@ def make_known(
         seed: of the run.
         mattes: in place of the exact ones, by the number of the view.
         strokes: drawn branches, by the number of the view.
+        paint: painted edits, by the number of the view.
     """
     return reconstruct(
         [truth.photos[yaw] for yaw in INPUTS],
@@ -39,6 +42,7 @@ def make_known(
         marks=[mark_ends(truth.cameras[yaw], truth.height) for yaw in INPUTS],
         mattes=mattes,
         strokes=None if strokes is None else {view: tuple(lines) for view, lines in strokes.items()},
+        paint=paint,
         params=bench.params,
         seed=seed,
         cache=bench.cache,

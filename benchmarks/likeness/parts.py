@@ -8,6 +8,7 @@ from benchmarks.likeness.measure_exact import measure_exact
 from benchmarks.likeness.measure_holes import measure_holes
 from benchmarks.likeness.measure_loose import measure_loose
 from benchmarks.likeness.measure_mattes import measure_mattes
+from benchmarks.likeness.measure_paint import measure_paint
 from benchmarks.likeness.measure_photographs import measure_photographs
 from benchmarks.likeness.measure_seeds import measure_seeds
 from benchmarks.likeness.measure_speed import measure_speed
@@ -22,6 +23,7 @@ PARTS: dict[str, Part] = {
     "wood": Part(find_truth, measure_wood),
     "strokes": Part(find_truth, measure_strokes),
     "hole": Part(find_truth, measure_holes),
+    "paint": Part(find_truth, measure_paint),
     "photographs": Part(find_photographs, measure_photographs),
     "speed": Part(find_truth, measure_speed),
     "seeds": Part(find_truth, measure_seeds),

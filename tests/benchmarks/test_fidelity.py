@@ -119,7 +119,7 @@ def test_measures_draws_and_repeats_itself(data, tmp_path, capsys):
         read_report(first)
 
 
-@pytest.mark.parametrize("part", ["mattes", "loose", "wood", "strokes", "hole", "seeds"])
+@pytest.mark.parametrize("part", ["mattes", "loose", "wood", "strokes", "hole", "paint", "seeds"])
 def test_every_part_of_known_trees_says_what_it_reached(data, part, tmp_path):
     _run(data, part, "--json", str(tmp_path / "figures.json"), "-o", str(tmp_path))
     rows = json.loads((tmp_path / "figures.json").read_text())["parts"][part]

@@ -8,6 +8,7 @@ from PIL import Image
 
 from benchmarks.likeness.matte_error import matte_error
 from benchmarks.likeness.measure_holes import place_hole
+from benchmarks.likeness.measure_paint import place_addition
 from benchmarks.likeness.measure_strokes import draw_strokes
 from benchmarks.likeness.paint_photo import SKIES, paint_photo
 from benchmarks.measure_truth import Truth
@@ -45,6 +46,17 @@ def test_a_narrow_crown_gets_one_too():
     hole = place_hole(_truth(alpha), 0)
     assert hole.any()
     assert alpha[hole].mean() > 0.8
+
+
+def test_an_addition_lies_on_the_other_side_mostly_outside():
+    alpha = _crown(60)
+    truth = _truth(alpha)
+    hole = place_hole(truth, 0)
+    more = place_addition(truth, 0, hole)
+    assert more.sum() == pytest.approx(hole.sum(), rel=0.05)
+    assert not (more & hole).any()
+    assert 0.1 < alpha[more].mean() < 0.5
+    assert (np.nonzero(more)[1].mean() - 100) * (np.nonzero(hole)[1].mean() - 100) < 0
 
 
 def test_strokes_follow_thick_branches_that_reach_out():
