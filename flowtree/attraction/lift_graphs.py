@@ -271,5 +271,6 @@ class _Lifting:
     def _mark_taken(self, points: _Array) -> None:
         """Remembers which lines of all views a new limb looks like."""
         for view, graph in enumerate(self._graphs):
-            tree = cKDTree(to_plane(points, self._yaws[view]))
-            self._taken[view] |= tree.query(graph.points)[0] < _SAME * self._height
+            left = np.flatnonzero(~self._taken[view])
+            distance = cKDTree(to_plane(points, self._yaws[view])).query(graph.points[left])[0]
+            self._taken[view][left] = distance < _SAME * self._height
