@@ -31,6 +31,7 @@ def solve_density(
     mattes: Sequence[Matte],
     cameras: Sequence[Camera],
     *,
+    habits: Sequence[Matte] | None = None,
     height: float | None = None,
     params: DensityParams = DensityParams(),
     device: str | None = None,
@@ -80,6 +81,8 @@ def solve_density(
     Args:
         mattes: one for each view, at least two.
         cameras: theirs, at two yaws at least that are neither equal nor opposite.
+        habits: the mattes before anybody painted on them, of the same size: what is painted changes the tree
+            there and not what it is like where no view says anything. Left out, they are the mattes.
         height: of the tree [m], which sets the voxels' size; the box is not lower, so that erasing a crown's
             top moves no voxel. Left out, the largest height that any view shows.
         params: resolution, carving threshold, when the rounds end.
@@ -104,10 +107,16 @@ def solve_density(
         ", ".join(f"{camera.yaw:g}" for camera in cameras),
         "give each view its own yaw",
     )
-    mattes = [
-        _checked(matte, camera, k) for k, (matte, camera) in enumerate(zip(mattes, cameras, strict=True))
-    ]
+    if habits is not None:
+        check.require(
+            len(habits) == len(mattes), "habits", "must be one a matte", len(habits), "pass as many"
+        )
+        painted = any(one is not two for one, two in zip(habits, mattes, strict=True))
+        habits = _checked(habits, cameras) if painted else None
+    mattes = _checked(mattes, cameras)
     reach, shown = _extent(mattes, cameras)
+    if habits is not None:  # what was erased leaves the box as it was
+        reach = max(reach, _extent(habits, cameras)[0])
     if height is not None:
         check.require(
             bool(np.isfinite(height)) and height > 0.0, "height", "must be positive", height, "give metres"
@@ -121,17 +130,22 @@ def solve_density(
     centres = np.asarray((np.arange(2 * half) + 0.5 - half) * cell, np.float64)
     columns = 2 * int(np.ceil(half * np.sqrt(2.0))) + 2  # the box's diagonal
     left = -columns / 2 * cell
-    read = [
-        known_depths(matte, camera, left=left, cell=cell, columns=columns, rows=rows)
-        for matte, camera in zip(mattes, cameras, strict=True)
-    ]
-    known = [sure for _, sure in read]
+
+    def read(views: Sequence[Matte]) -> tuple[list[NDArray[np.float64]], list[NDArray[np.bool_]]]:
+        seen = [
+            known_depths(matte, camera, left=left, cell=cell, columns=columns, rows=rows)
+            for matte, camera in zip(views, cameras, strict=True)
+        ]
+        known = [sure for _, sure in seen]
+        return _balance_rows([depth for depth, _ in seen], known, params.balance), known
+
+    depths, known = read(mattes)
     shares = [
         footprint_matrix(centres, centres, camera.yaw, left=left, cell=cell, columns=columns) / cell
         for camera in cameras
     ]
-    depths = _balance_rows([depth for depth, _ in read], known, params.balance)
-    prior = round_slices(depths, known, [camera.yaw for camera in cameras], centres / cell)
+    usual = (depths, known) if habits is None else read(habits)
+    prior = round_slices(*usual, [camera.yaw for camera in cameras], centres / cell)
     least = -float(np.log1p(-params.carve)) if params.carve < 1.0 else np.inf
     side = len(centres)
     volume = np.zeros((side, rows, side), np.float32)
@@ -159,13 +173,21 @@ def solve_density(
     return DensityVolume(density=volume, origin=origin, voxel=float(cell))
 
 
-def _checked(matte: Matte, camera: Camera, view: int) -> Matte:
-    shape = (camera.height, camera.width)
-    alpha = check.array(matte.alpha, f"alpha of view {view}", shape=shape, low=0.0, high=1.0)
-    if matte.unknown is None:
-        return replace(matte, alpha=alpha)
-    unknown = check.array(matte.unknown, f"unknown pixels of view {view}", shape=shape, dtype=np.bool_)
-    return replace(matte, alpha=alpha, unknown=unknown)
+def _checked(mattes: Sequence[Matte], cameras: Sequence[Camera]) -> list[Matte]:
+    """The mattes, their arrays of the right kind.
+
+    Raises:
+        InputError: one that is no picture of its camera's size.
+    """
+    checked = []
+    for k, (matte, camera) in enumerate(zip(mattes, cameras, strict=True)):
+        shape = (camera.height, camera.width)
+        alpha = check.array(matte.alpha, f"alpha of view {k}", shape=shape, low=0.0, high=1.0)
+        unknown = matte.unknown
+        if unknown is not None:
+            unknown = check.array(unknown, f"unknown pixels of view {k}", shape=shape, dtype=np.bool_)
+        checked.append(replace(matte, alpha=alpha, unknown=unknown))
+    return checked
 
 
 def _extent(mattes: Sequence[Matte], cameras: Sequence[Camera]) -> tuple[float, float]:

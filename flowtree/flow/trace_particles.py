@@ -28,6 +28,7 @@ _ARRIVAL = 0.012  # of the height: closer to the foot than this has arrived
 _BASIN = 0.05  # of the height: nearer than this the foot alone attracts
 _TIME_POINTS = 14  # points along the height of the grid of free-flow times
 _LONGEST = 8.0  # tree heights of way after which the rest is taken as lost
+_SHIFT = 12  # steps; as many as any usual stride divides
 _SPLIT_FROM = 512  # starts from which a second core pays: following a field to the foot is much work for each
 
 
@@ -88,7 +89,7 @@ def trace_particles(
         fields, route_to_foot(volume, limbs), pull=params.basis_pull, basin=_BASIN * height, device=where
     )
     clock = _Clock(flow, 2 * params.step * height, arrival, int(2 / params.step), where, threads)
-    start_time = _in_whole_steps(clock.time(start), params.step * height)
+    start_time = _in_whole_steps(clock.time(start), _SHIFT * params.step * height)
     record = flow_particles(
         start,
         flow,
@@ -127,14 +128,14 @@ def _forces(params: FlowParams, height: float, count: int) -> FlowForces:
     return forces
 
 
-def _in_whole_steps(times: NDArray[np.float32], step: float) -> NDArray[np.float32]:
-    """The times with the longest rounded up to whole steps.
+def _in_whole_steps(times: NDArray[np.float32], shift: float) -> NDArray[np.float32]:
+    """The times with the longest rounded up to whole shifts.
 
-    It says when all others set off. If another particle has it, all others shift by whole steps and flow as
-    they did.
+    It says when all others set off. If another particle has it, all others shift by so many steps, flow as
+    they did, and those steps of theirs are kept that were kept before.
     """
     longest = int(np.argmax(times))
-    times[longest] = np.ceil(float(times[longest]) / step - 1e-3) * step
+    times[longest] = np.ceil(float(times[longest]) / shift - 1e-3) * shift
     return times
 
 

@@ -121,15 +121,21 @@ def run_matting(job: Job, photo: Photo, trimap: Any, scribbles: Any) -> Matte:
 def run_painting(
     job: Job, photo: Photo, matte: Matte, paint: Path | PaintedEdit | None, mirrored: bool
 ) -> tuple[Photo, Matte, PaintedEdit]:
-    """Applies what a person painted; a mirrored view is mirrored here, with all that is painted on it."""
+    """Reads what a person painted; a mirrored view is mirrored here, with all that is painted on it.
+
+    It is not yet applied: where the tree stands in the photographs does not hang on it, so that all the rest
+    stays where it was. Only where there is no tree without it, it makes the matte.
+    """
     edit = (
         read_painted_edit(paint, photo, params=job.params.photos)
         if isinstance(paint, Path)
         else paint or PaintedEdit()
     )
-    painted = paint_matte(matte, edit)
+    painted = paint_matte(matte, edit)  # refuses layers that do not fit before anything is done with them
+    if not matte.alpha.any():
+        matte, edit = painted, replace(edit, add=None, erase=None)
     if not mirrored:
-        return photo, painted, edit
+        return photo, matte, edit
     width = photo.rgb.shape[1]
     flipped = PaintedEdit(
         add=_flip(edit.add),
@@ -137,13 +143,10 @@ def run_painting(
         directions=tuple(_flip_line(line, width) for line in edit.directions),
         reach=edit.reach,
     )
-    painted = replace(
-        painted,
-        alpha=_flip(painted.alpha),
-        foreground=_flip(painted.foreground),
-        unknown=_flip(painted.unknown),
+    matte = replace(
+        matte, alpha=_flip(matte.alpha), foreground=_flip(matte.foreground), unknown=_flip(matte.unknown)
     )
-    return mirror_photo(photo), painted, flipped
+    return mirror_photo(photo), matte, flipped
 
 
 def _flip(picture: Any) -> Any:
@@ -192,16 +195,24 @@ def run_completing(job: Job, mattes: tuple[Matte, ...], cameras: tuple[Camera, .
     return complete_mattes(mattes, cameras)
 
 
+def run_retouching(job: Job, matte: Matte, edit: PaintedEdit) -> Matte:
+    """One matte with what a person painted."""
+    del job
+    return paint_matte(matte, edit)
+
+
 def run_density(
     job: Job,
     photos: tuple[Photo, ...],
     mattes: tuple[Matte, ...],
+    bare: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
     heights: tuple[float, ...],
 ) -> DensityVolume:
     """The volume that all views agree on."""
     check_same_tree([photo.name for photo in photos], mattes, cameras, height=heights[0])
-    return solve_density(mattes, cameras, height=heights[0], params=job.params.density, device=job.device)
+    params = job.params.density
+    return solve_density(mattes, cameras, habits=bare, height=heights[0], params=params, device=job.device)
 
 
 def run_attraction(

@@ -159,6 +159,26 @@ def test_erasing_the_top_moves_no_voxel():
     assert other.voxel == solve_density(mattes, cameras, params=COARSE).voxel
 
 
+@pytest.mark.parametrize("layer", ["erased", "added"])
+def test_what_is_painted_in_one_place_leaves_the_densities_of_other_heights(layer):
+    phantom = _tree()
+    mattes, cameras = _views(phantom, (0, 90))
+    painted = mattes[0].alpha.copy()
+    painted[30:50, 60 : 75 if layer == "erased" else 90] = 0.0 if layer == "erased" else 0.7
+    edited = [_matte(painted), mattes[1]]
+    before = solve_density(mattes, cameras, height=2.9, params=COARSE)
+    after = solve_density(edited, cameras, habits=mattes, height=2.9, params=COARSE)
+    blind = solve_density(edited, cameras, height=2.9, params=COARSE)
+    wider = (after.density.shape[0] - before.density.shape[0]) // 2
+    old = np.pad(before.density, ((wider, wider), (0, 0), (wider, wider)))
+    low, high = (int((93.1 - row) * 4 / 96 / before.voxel) for row in (50, 30))
+    other = np.ones(old.shape[1], bool)
+    other[low - 1 : high + 2] = False
+    assert np.allclose(after.density[:, other], old[:, other], rtol=1e-3, atol=1e-3 * old.max())
+    moved = blind.density.shape != old.shape
+    assert moved or not np.allclose(blind.density[:, other], old[:, other], rtol=1e-3, atol=1e-3 * old.max())
+
+
 @pytest.mark.parametrize("height", [0.0, -1.0, np.nan, np.inf])
 def test_a_height_that_is_none_is_refused(height):
     mattes, cameras = _good()

@@ -123,6 +123,7 @@ def test_a_mirrored_view_takes_everything_drawn_with_it(made):
     job = Job(SMALL, 0, "cpu")
     plain = run_painting(job, photo, matte, edit, False)
     flipped = run_painting(job, photo, matte, edit, True)
+    assert plain[1] is matte, "the paint is applied where the view is level"
     assert np.array_equal(flipped[1].alpha, plain[1].alpha[:, ::-1])
     assert np.array_equal(flipped[2].add, add[:, ::-1])
     (drawn,) = run_strokes(job, photo, (stroke,), True)

@@ -49,7 +49,7 @@ def test_views_run_one_by_one_and_meet_in_a_tuple():
     sums = Sums()
     made = sums.run()
     assert made["doubled"] == (2, 4)
-    assert made["sum"] == 6 + 64
+    assert made["sum"] == 6 + Params().density.resolution
     assert sums.ran == ["double", "double", "add", "draw"]
 
 
