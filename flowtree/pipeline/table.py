@@ -114,6 +114,14 @@ STAGES: tuple[Stage, ...] = (
         share=0.02,
     ),
     Stage(
+        name="habit",
+        run=steps.run_habit,
+        inputs=("mattes", "cameras", "leafy"),
+        outputs=("habit",),
+        params=("attraction",),
+        share=0.02,
+    ),
+    Stage(
         name="attraction",
         run=steps.run_attraction,
         inputs=("photos", "mattes", "cameras", "strokes", "marks", "leafy", "habit"),
@@ -122,14 +130,6 @@ STAGES: tuple[Stage, ...] = (
         each_view=True,
         seeded=True,
         share=0.6,
-    ),
-    Stage(
-        name="habit",
-        run=steps.run_habit,
-        inputs=("mattes", "cameras", "leafy"),
-        outputs=("habit",),
-        params=("attraction",),
-        share=0.02,
     ),
     Stage(
         name="limbs",
