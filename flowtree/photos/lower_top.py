@@ -31,7 +31,7 @@ def lower_top(
         depths: (h,) optical depth of each row of the picture, summed.
         foot: row of the foot [pixels].
         top: row in which the tree is seen to end [pixels].
-        reach: half of the crown's width [tree heights].
+        reach: half of the width of the crown's upper part [tree heights].
         distance: of the eye from the axis [tree heights]; infinite changes nothing.
 
     Returns: (row, deviation) [pixels], the row ``top`` or below.

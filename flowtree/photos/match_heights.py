@@ -17,9 +17,9 @@ _SAMPLES = 160  # rows of the photograph that are compared
 _SIDE = 17  # foots and tops tried, each, in a round
 _ROUNDS = 4
 _CLOSER = 4.0  # by which a round's range is narrower than that before
-_BLOCKS = 24  # stretches of a profile that differ independently: a few per cent of the height each
+_BLOCKS = 12  # stretches of a profile that differ independently: a twelfth of the height, a whorl or a clump
 _LEAST_MISMATCH = 1e-4  # no two photographs are more alike
-_USUAL = 0.1  # of what is seen of the tree: what a frame usually cuts off
+_USUAL = 0.05  # of what is seen of the tree: what a frame usually cuts off
 _FARTHEST = 0.6  # of that: beyond, too little is seen to tell
 _AROUND = 2.5  # deviations to either side of what is seen that are looked at
 _LEAST_HEIGHT = 16.0  # [pixels]
@@ -62,14 +62,12 @@ class HeightMatch:
         top: its row [pixels].
         foot_deviation: [pixels], one standard deviation.
         top_deviation: [pixels], one standard deviation.
-        unlikelihood: minus the logarithm of the likelihood, up to a constant: less is better.
     """
 
     foot: float
     top: float
     foot_deviation: float
     top_deviation: float
-    unlikelihood: float
 
 
 def height_profile(seen: RowDepths, view: PlaneView) -> NDArray[np.float64]:
@@ -143,7 +141,7 @@ def match_heights(
             for at, reach, limit in zip(best, half, limits, strict=True)
         ]
     deviations = _deviations(costs, best)
-    return HeightMatch(float(best[0]), float(best[1]), *deviations, float(costs[best]))
+    return HeightMatch(float(best[0]), float(best[1]), *deviations)
 
 
 def _limits(guess: Guess, tall: float, beyond: float) -> tuple[float, float]:

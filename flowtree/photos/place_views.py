@@ -30,8 +30,9 @@ from flowtree.photos.straight_camera import straight_camera
 _SOLID = 0.35  # alpha of a pixel that counts
 _SURE = 0.35  # roll over its deviation below which it is left alone
 _HIGHEST_EYE = 0.9  # [tree heights]
+_UPPER = 0.25  # of the tree's height: the part in which its highest bough stands
 _WORTH_SAYING = 0.01  # of the tree's height, hidden
-_SMOOTH = 0.008  # of the picture's height, over which row sums are averaged
+_SMOOTH = 0.025  # of the picture's height, over which row sums are averaged
 
 
 @dataclass(frozen=True)
@@ -170,7 +171,8 @@ def _look(photo: Photo, matte: Matte, marks: ViewMarks, height: float, params: A
         eye=eye,
     )
     if marks.top is None and "top" not in missing and free:
-        wide = np.flatnonzero((level > _SOLID).any(axis=0))
+        upper = level[max(0, math.floor(top + up)) : math.ceil(top + up + _UPPER * (foot[1] - top))]
+        wide = np.flatnonzero((upper > _SOLID).any(axis=0))
         reach = float(np.ptp(wide) + 1) / 2 / (foot[1] - top) if len(wide) else 0.0
         away = view.plane(foot[1], top).distance
         lowered, spread = lower_top(depth, foot[1] + up, top + up, reach=reach, distance=away)
@@ -248,19 +250,12 @@ def _agree(views: list[_View]) -> list[_View]:
 def _find_hidden(views: list[_View]) -> list[_View]:
     """Foot and top of views that are cut off, from those that show all of the tree.
 
-    Where all are cut off below, one of them may just end where its trunk does: the one with which the others
-    agree best.
+    Where none does, nothing says how large it is: what is seen counts as all.
     """
     whole = [view for view in views if _is_whole(view)]
-    if not whole and len(views) > 1:
-        ending = [view for view in views if "top" not in view.missing]
-        fits = [
-            sum(_match(other, [view]).unlikelihood for other in views if other is not view) for view in ending
-        ]
-        whole = [ending[int(np.argmin(fits))]] if fits else []
     result = []
     for view in views:
-        if view.hidden and whole and view is not whole[0]:
+        if view.hidden and whole:
             match = _match(view, whole)
             found = {
                 "foot": Estimate("foot", match.foot, "pixels", "estimated", match.foot_deviation),

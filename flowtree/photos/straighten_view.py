@@ -19,6 +19,7 @@ from flowtree.photos.straighten_lines import move_places
 
 _SOLID = 0.5  # alpha inside the trunk
 _TOUCHES = 0.05  # mean alpha near a place on the frame's edge, from which on the tree goes on beyond it
+_NOTHING = 128.0  # grey where there is no photograph
 _AROUND = 0.03  # of the frame's side: near
 
 
@@ -50,30 +51,39 @@ def straighten_view(
     step = move_places(warp, np.array([camera.foot, (camera.foot[0] + 1.0, camera.foot[1])]))
     ratio = float(np.linalg.norm(step[1] - step[0]))
 
-    def resample(picture: Any, *, replicate: bool = False) -> Any:
+    def resample(picture: Any, border: int = cv2.BORDER_CONSTANT, value: float = 0.0) -> Any:
         if picture is None:
             return None
         if ratio > 1.3:  # several pixels fall into one
             picture = cv2.GaussianBlur(picture, (0, 0), 0.35 * ratio)
-        border = cv2.BORDER_REPLICATE if replicate else cv2.BORDER_CONSTANT
-        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-        return cv2.warpPerspective(picture, pixel_centres(warp), size, flags=flags, borderMode=border)
+        return cv2.warpPerspective(
+            picture,
+            pixel_centres(warp),
+            size,
+            flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+            borderMode=border,
+            borderValue=(value, value, value),
+        )
 
     alpha, unknown = resample(matte.alpha), resample(_as_float(matte.unknown))
     beyond = _beyond(matte.alpha, placement)
     unknown = beyond if unknown is None else (unknown > 0.25) | beyond
     if "bottom" in placement.missing:
-        stem = resample(_stem_at_edge(matte.alpha, placement, math.ceil(2.0 * ratio)), replicate=True)
+        stem = resample(_stem_at_edge(matte.alpha, placement, math.ceil(2.0 * ratio)), cv2.BORDER_REPLICATE)
         stem[math.ceil(camera.foot[1]) :] = 0.0
         alpha = np.maximum(alpha, stem)
     straight = replace(
         matte,
         alpha=np.clip(alpha, 0.0, 1.0).astype(np.float32),
-        foreground=resample(matte.foreground, replicate=True),
+        foreground=resample(matte.foreground, cv2.BORDER_REPLICATE),
         unknown=unknown if unknown.any() else None,
     )
     view = replace(
-        photo, rgb=resample(photo.rgb, replicate=True), alpha=resample(photo.alpha), scale=photo.scale / ratio
+        photo,
+        rgb=resample(photo.rgb, value=_NOTHING),
+        alpha=resample(photo.alpha),
+        scale=photo.scale / ratio,
+        focal_length=None,
     )
     edited = PaintedEdit(
         add=resample(edit.add),
@@ -96,10 +106,9 @@ def _beyond(alpha: NDArray[np.float32], placement: Placement) -> NDArray[np.bool
     sides = [side for side in placement.missing if side != "bottom"]
     if not sides:
         return outside
-    grid = np.stack(np.meshgrid(np.arange(camera.width) + 0.5, np.arange(camera.height) + 0.5), axis=-1)
-    x, y = move_places(np.asarray(placement.warp), grid.reshape(-1, 2)).T.reshape(
-        2, camera.height, camera.width
-    )
+    u, v = np.arange(camera.width) + 0.5, (np.arange(camera.height) + 0.5)[:, None]
+    x, y, depth = (row[0] * u + row[1] * v + row[2] for row in np.asarray(placement.warp))
+    x, y = x / depth, y / depth
     for side in sides:
         edge = {"left": alpha[:, 0], "right": alpha[:, -1], "top": alpha[0]}[side]
         near = cv2.GaussianBlur(edge[:, None], (0, 0), 1.0, sigmaY=_AROUND * len(edge)).ravel() > _TOUCHES
