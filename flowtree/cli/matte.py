@@ -17,7 +17,12 @@ def matte(
         Path, typer.Option("-o", "--output", help="The tree over nothing: .png with an alpha channel.")
     ] = Path("matte.png"),
     trimap: Annotated[Path | None, typer.Option(help="White tree, black background, grey unknown.")] = None,
-    scribbles: Annotated[Path | None, typer.Option(help="Strokes on tree and background.")] = None,
+    scribbles: Annotated[
+        Path | None,
+        typer.Option(
+            help="Strokes: green on the tree, red on the background, blue on what stands before it."
+        ),
+    ] = None,
     params: Annotated[Path | None, typer.Option(help="Parameters, as `flowtree params` prints them.")] = None,
     assignments: Annotated[
         list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="One parameter; may be repeated.")

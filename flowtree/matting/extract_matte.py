@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import re
-
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flowtree import check
 from flowtree.matting.estimate_foreground import estimate_foreground
+from flowtree.matting.fill_occluded import fill_occluded
 from flowtree.matting.guess_alpha import BACKGROUND, TREE, UNKNOWN, guess_alpha
+from flowtree.matting.prepare_photo import PreparedPhoto, prepare_photo, scale_down
 from flowtree.matting.refine_alpha import refine_alpha
 from flowtree.matting.solve_alpha import KNOWN, solve_alpha
 from flowtree.model.matte import Matte
@@ -26,6 +26,7 @@ def extract_matte(
     *,
     trimap: ArrayLike | None = None,
     scribbles: ArrayLike | None = None,
+    prepared: PreparedPhoto | None = None,
     params: MattingParams = MattingParams(),
 ) -> Matte:
     """Cuts the tree out (Particle Flows, section 4): alpha is the density estimate of the view.
@@ -41,11 +42,13 @@ def extract_matte(
         trimap: (h, w): 0 background, 255 tree, between unknown.
         scribbles: (h, w): 0 nothing, 1 tree, 2 background, 3 something that stands before the tree: there
             the matte's ``unknown`` is set. Beside a trimap or an alpha channel only the 3 counts.
+        prepared: what `prepare_photo` found out about this photo with these parameters; left out, it is found
+            out anew. Whoever makes several mattes of one photo, one after every scribble, keeps it.
         params: picked colours, and the size to solve at.
 
     Raises:
         InputError: no tree found, tree all over, an empty alpha channel, a trimap without tree or background,
-            an array of another size than the photo.
+            an array of another size than the photo, ``prepared`` from another photo or other parameters.
     """
     shape = photo.rgb.shape[:2]
     labels = None
@@ -56,9 +59,7 @@ def extract_matte(
         check.require(
             seen, photo.name, "needs a tree in its alpha channel", "an empty one", "cut it out again"
         )
-        foreground = estimate_foreground(photo.rgb, photo.alpha)
-        return Matte(photo.alpha, foreground, "alpha channel", _occluded(labels))
-    small = _scaled(photo.rgb, params.solve_height)
+        return _complete(photo, photo.alpha, "alpha channel", labels)
     if trimap is not None:
         known = check.array(trimap, "trimap", shape=shape, dtype=np.uint8, low=0, high=255)
         for value, what in ((0, "background (0)"), (255, "tree (255)")):
@@ -67,25 +68,23 @@ def extract_matte(
         alpha = _solve_trimap(photo.rgb, known, params.solve_height)
         alpha[known == 0], alpha[known == 255] = 0.0, 1.0
         return _finish(photo, alpha, "trimap", labels)
-    prior, confidence = guess_alpha(
-        photo.name,
-        small,
-        scribbles=None if labels is None else _shrunk_labels(labels, small.shape[:2]),
-        tree_colors=_picked("matting.foreground_colors", params.foreground_colors),
-        other_colors=_picked("matting.background_colors", params.background_colors),
+    if prepared is None:
+        prepared = prepare_photo(photo, params=params)
+    fits = prepared.photo is photo and prepared.params == params
+    check.require(
+        fits,
+        "prepared photo",
+        f"must be made of {photo.name} with the same parameters",
+        f"that of {prepared.photo.name}",
+        "call prepare_photo again",
     )
+    small = prepared.small
+    marks = None if labels is None else _shrunk_labels(labels, small.shape[:2])
+    prior, confidence = guess_alpha(prepared, scribbles=marks)
     alpha = refine_alpha(small, _solve_box(small, prior, confidence), photo.rgb)
     if labels is not None:
         alpha[labels == TREE], alpha[labels == BACKGROUND] = 1.0, 0.0
     return _finish(photo, alpha, "automatic" if labels is None else "scribbles", labels)
-
-
-def _occluded(labels: NDArray[np.uint8] | None) -> NDArray[np.bool_] | None:
-    """Where something stands before the tree; None where nothing does."""
-    if labels is None or not (labels == UNKNOWN).any():
-        return None
-    occluded: NDArray[np.bool_] = labels == UNKNOWN
-    return occluded
 
 
 def _finish(photo: Photo, alpha: NDArray[np.float32], method: str, labels: NDArray[np.uint8] | None) -> Matte:
@@ -97,18 +96,18 @@ def _finish(photo: Photo, alpha: NDArray[np.float32], method: str, labels: NDArr
         "no tree found",
         "scribble on the tree and beside it, or pick their colours",
     )
-    return Matte(stretched, estimate_foreground(photo.rgb, stretched), method, _occluded(labels))
+    return _complete(photo, stretched, method, labels)
 
 
-def _scaled(rgb: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
-    """The picture, its larger side at most ``side`` pixels."""
-    height, width = rgb.shape[:2]
-    scale = side / max(height, width)
-    if scale >= 1.0:
-        return rgb
-    size = (max(3, round(width * scale)), max(3, round(height * scale)))
-    small: NDArray[np.uint8] = cv2.resize(rgb, size, interpolation=cv2.INTER_AREA).astype(np.uint8)
-    return small
+def _complete(
+    photo: Photo, alpha: NDArray[np.float32], method: str, labels: NDArray[np.uint8] | None
+) -> Matte:
+    """The matte with its foreground; what stands before the tree lends it neither alpha nor colour."""
+    occluded = None if labels is None else labels == UNKNOWN
+    if occluded is None or not occluded.any():
+        return Matte(alpha, estimate_foreground(photo.rgb, alpha), method)
+    foreground = estimate_foreground(photo.rgb, np.where(occluded, np.float32(0.0), alpha))
+    return Matte(fill_occluded(alpha, occluded), foreground, method, occluded)
 
 
 def _solve_box(
@@ -127,7 +126,7 @@ def _solve_box(
 
 
 def _solve_trimap(rgb: NDArray[np.uint8], trimap: NDArray[np.uint8], side: int) -> NDArray[np.float32]:
-    small = _scaled(rgb, side)
+    small = scale_down(rgb, side)
     size = (small.shape[1], small.shape[0])
     level = np.where(trimap == 0, 0.0, np.where(trimap == 255, 1.0, 0.5)).astype(np.float32)
     level = cv2.resize(level, size, interpolation=cv2.INTER_AREA).astype(np.float32)
@@ -161,17 +160,3 @@ def _shrunk_labels(labels: NDArray[np.uint8], shape: tuple[int, ...]) -> NDArray
     small: NDArray[np.uint8] = (np.argmax(cover, axis=2) + 1).astype(np.uint8)
     small[cover.max(axis=2) < 1.0 / 16.0] = 0
     return small
-
-
-def _picked(name: str, colors: tuple[str, ...]) -> NDArray[np.float32] | None:
-    """Picked colours, #rrggbb, as (n, 3) CIELAB."""
-    if not colors:
-        return None
-    for color in colors:
-        valid = re.fullmatch(r"#[0-9a-fA-F]{6}", color) is not None
-        check.require(
-            valid, name, "must hold colours as #rrggbb", repr(color)[:40], "write them like #3a5f0b"
-        )
-    values = [[int(color[k : k + 2], 16) / 255.0 for k in (1, 3, 5)] for color in colors]
-    lab: NDArray[np.float32] = cv2.cvtColor(np.array([values], np.float32), cv2.COLOR_RGB2Lab)[0]
-    return lab

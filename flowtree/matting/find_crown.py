@@ -22,7 +22,7 @@ class Crown:
         left: (h,) float64, column of the crown's left edge, continued below what shows.
         right: (h,) float64, the right edge.
         centre: column of its centre of mass.
-        width: [pixels], median over its rows.
+        width: [pixels], that three quarters of its rows do not exceed: a palm's stem is no crown.
     """
 
     core: NDArray[np.bool_]
@@ -69,7 +69,9 @@ def find_crown(
     centre = float((share * np.arange(width)).sum())
     left, right = _outline(core, horizon, centre)
     shown = np.flatnonzero(core.any(axis=1))
-    return Crown(core, horizon, left, right, centre, max(4.0, float(np.median((right - left)[shown]))))
+    return Crown(
+        core, horizon, left, right, centre, max(4.0, float(np.quantile((right - left)[shown], 0.75)))
+    )
 
 
 def _find_horizon(sky: NDArray[np.bool_]) -> NDArray[np.float64]:

@@ -12,24 +12,20 @@ from flowtree.matting.find_crown import Crown, find_crown
 from flowtree.matting.find_sky import FAR, NEAR, Sky, find_sky
 from flowtree.matting.fit_local_gaussian import fit_local_gaussian
 from flowtree.matting.label_tree import CERTAIN, label_tree
+from flowtree.matting.prepare_photo import PreparedPhoto
+from flowtree.matting.release_sky import release_sky
 from flowtree.matting.solve_alpha import KNOWN
 from flowtree.matting.trace_trunk import Trunk, trace_trunk
 
 TREE, BACKGROUND, UNKNOWN = 1, 2, 3  # labels of scribbles
 _WEAK, _OPEN, _FIRM = 0.02, 0.01, 5.0  # confidences: an estimate, an edge of the trunk, almost certain
-_PICKED = 10.0  # colours this near to a picked one follow it [CIELAB]
 _REMEDY = "scribble on the tree and beside it, or pick their colours"
 _BELOW = 0.15  # how far below the horizon the crown's outline is trusted [heights]
 _NOISE = 3.0  # of tree and sky colours when a pixel is split between them [CIELAB]
 
 
 def guess_alpha(
-    name: str,
-    rgb: NDArray[np.uint8],
-    *,
-    scribbles: NDArray[np.uint8] | None = None,
-    tree_colors: NDArray[np.float32] | None = None,
-    other_colors: NDArray[np.float32] | None = None,
+    prepared: PreparedPhoto, *, scribbles: NDArray[np.uint8] | None = None
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Estimates alpha from colours, texture and place alone (Particle Flows, section 4, made automatic).
 
@@ -39,23 +35,21 @@ def guess_alpha(
     open.
 
     Args:
-        name: of the photo, for messages.
-        rgb: (h, w, 3), the small picture.
+        prepared: the photo, its small picture of h x w pixels.
         scribbles: (h, w), 0 nothing, 1 tree, 2 background, 3 unknown.
-        tree_colors: (n, 3) CIELAB, picked on the tree.
-        other_colors: (n, 3) CIELAB, picked beside it.
 
     Returns: alpha and confidence, both (h, w), as `solve_alpha` takes them.
 
     Raises:
         InputError: no tree can be told from the rest.
     """
-    lab: NDArray[np.float32] = cv2.cvtColor(
-        rgb.astype(np.float32) / np.float32(255.0), cv2.COLOR_RGB2Lab
-    ).astype(np.float32)
-    texture = np.minimum(_deviation(lab, 2), 1.3 * _deviation(lab, 1))
-    evidence = _evidence(lab, scribbles, tree_colors, other_colors)
-    sky = find_sky(lab, texture, evidence < -3.0 if (evidence < -3.0).any() else None)
+    name, lab, texture, sky = prepared.photo.name, prepared.lab, prepared.texture, prepared.sky
+    evidence, taken = prepared.picked, np.zeros(texture.shape, np.float32)
+    if scribbles is not None:
+        evidence = np.select([scribbles == TREE, scribbles == BACKGROUND], [CERTAIN, -CERTAIN], evidence)
+        if sky.colors is None and (evidence < -3.0).any():
+            sky = find_sky(lab, texture, evidence < -3.0)
+        sky, taken = release_sky(lab, sky, scribbles == TREE)
     looks = describe_pixels(lab, texture, sky.mask, sky.distance)
     claimed = evidence > 3.0
     sky = Sky(sky.mask & ~claimed, np.where(claimed, 99.0, sky.distance).astype(np.float32), sky.colors)
@@ -64,7 +58,7 @@ def guess_alpha(
     if crown is None:
         crown = _assume_centre(name, texture, sky)
     tree = label_tree(looks, sky.mask, crown, evidence, below=0.0, rounds=2)
-    trunk = trace_trunk(lab, tree > 0.5, centre=crown.centre, width=crown.width)
+    trunk = trace_trunk(prepared.bands, tree > 0.5, centre=crown.centre, width=crown.width)
     if trunk is not None:
         said = np.abs(evidence) >= CERTAIN
         evidence = np.where(said, evidence, evidence + _beside_trunk(trunk, tree, crown))
@@ -77,7 +71,7 @@ def guess_alpha(
         "one thing all over",
         _REMEDY,
     )
-    alpha, confidence = _split(lab, sky, tree, crown)
+    alpha, confidence = _split(lab, sky, tree, crown, taken)
     if trunk is not None:
         _draw_trunk(alpha, confidence, trunk, crown)
     if scribbles is not None:
@@ -89,33 +83,6 @@ def guess_alpha(
     check.require(share > 0.001, name, "must show a tree", "no tree found", _REMEDY)
     check.require(share < 0.98, name, "must show something beside the tree", "one thing all over", _REMEDY)
     return alpha, confidence
-
-
-def _deviation(lab: NDArray[np.float32], reach: int) -> NDArray[np.float32]:
-    """Standard deviation (h, w) of the colours in a square window."""
-    window = (2 * reach + 1, 2 * reach + 1)
-    mean = cv2.blur(lab, window, borderType=cv2.BORDER_REFLECT)
-    square = cv2.blur(lab * lab, window, borderType=cv2.BORDER_REFLECT)
-    deviation: NDArray[np.float32] = np.sqrt(np.maximum(square - mean * mean, 0.0).sum(axis=2))
-    return deviation
-
-
-def _evidence(
-    lab: NDArray[np.float32],
-    scribbles: NDArray[np.uint8] | None,
-    tree_colors: NDArray[np.float32] | None,
-    other_colors: NDArray[np.float32] | None,
-) -> NDArray[np.float32]:
-    """Log-odds (h, w) for the tree from what the user said."""
-    evidence = np.zeros(lab.shape[:2], np.float32)
-    for colors, sign in ((tree_colors, 1.0), (other_colors, -1.0)):
-        if colors is not None and len(colors):
-            away = np.min([np.linalg.norm(lab - color, axis=2) for color in colors], axis=0)
-            evidence += np.float32(5.0 * sign) * np.exp(-((away / _PICKED) ** 2)).astype(np.float32)
-    if scribbles is not None:
-        evidence[scribbles == TREE] = CERTAIN
-        evidence[scribbles == BACKGROUND] = -CERTAIN
-    return evidence
 
 
 def _assume_centre(name: str, texture: NDArray[np.float32], sky: Sky) -> Crown:
@@ -177,7 +144,11 @@ def _beside_trunk(trunk: Trunk, tree: NDArray[np.float32], crown: Crown) -> NDAr
 
 
 def _split(
-    lab: NDArray[np.float32], sky: Sky, tree: NDArray[np.float32], crown: Crown
+    lab: NDArray[np.float32],
+    sky: Sky,
+    tree: NDArray[np.float32],
+    crown: Crown,
+    taken: NDArray[np.float32],
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Alpha and confidence from the labels and, where sky is near, from the colours of tree and sky."""
     likely = tree > 0.5
@@ -193,6 +164,7 @@ def _split(
         direction = np.linalg.solve(spread, apart[..., None])[..., 0]
         length = np.maximum((apart * direction).sum(axis=2), 1e-3)
         along = np.clip(((lab - sky.colors.mean) * direction).sum(axis=2) / length, 0.0, 1.0)
+        along += (1.0 - along) * taken
         reach = 2 * max(4, round(0.02 * max(tree.shape))) + 1
         near_sky = cv2.blur(sky.mask.astype(np.float32), (reach, reach)) > 0.0
         near_sky |= np.arange(len(tree))[:, None] < crown.horizon[None, :]

@@ -35,9 +35,27 @@ class Trunk:
     contrast: NDArray[np.float32]
 
 
-def trace_trunk(
-    lab: NDArray[np.float32], start: NDArray[np.bool_], *, centre: float, width: float
-) -> Trunk | None:
+@dataclass(frozen=True)
+class Bands:
+    """How much upright bands differ from what lies left and right of them.
+
+    Attributes:
+        sizes: (k,) int64, half widths [pixels].
+        contrast: (k, h, w) float32 [CIELAB], with the less different side.
+    """
+
+    sizes: NDArray[np.int64]
+    contrast: NDArray[np.float32]
+
+
+def measure_bands(lab: NDArray[np.float32]) -> Bands:
+    """Measures bands of every width around every pixel (h, w, 3) CIELAB."""
+    height = lab.shape[0]
+    sizes = np.unique(np.rint(height * _THINNEST * _RATIO ** np.arange(_WIDTHS)).clip(1).astype(np.int64))
+    return Bands(sizes, _band_contrast(lab, sizes))
+
+
+def trace_trunk(bands: Bands, start: NDArray[np.bool_], *, centre: float, width: float) -> Trunk | None:
     """Finds the vertical band that starts in the crown and differs most from what lies left and right of it.
 
     A minimal path over (column, half width), row by row: a row pays the contrast of the band with the less
@@ -46,17 +64,15 @@ def trace_trunk(
     Lightness or hue decide alike, so that a pale stem before a hedge and a dark one before a lawn are found.
 
     Args:
-        lab: (h, w, 3) CIELAB.
+        bands: of the picture.
         start: (h, w) where a path may begin: the crown.
         centre: column of the crown's middle.
         width: of the crown [pixels].
 
     Returns: the band, or None where nothing pays.
     """
-    height = lab.shape[0]
-    sizes = np.unique(np.rint(height * _THINNEST * _RATIO ** np.arange(_WIDTHS)).clip(1).astype(np.int64))
-    gain = _band_contrast(lab, sizes)
-    aside = (np.arange(lab.shape[1]) - centre) / max(width, 1.0)
+    gain, sizes = bands.contrast, bands.sizes
+    aside = (np.arange(gain.shape[2]) - centre) / max(width, 1.0)
     pay = gain - (_THRESHOLD + _OFF_CENTRE * aside**2).astype(np.float32)
     rows, columns, chosen = _best_path(pay, start)
     if len(rows) == 0:

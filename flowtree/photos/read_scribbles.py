@@ -16,7 +16,7 @@ from flowtree.photos.decode_picture import decode_picture
 from flowtree.photos.read_drawn_json import is_number, is_pair, read_drawn_json
 from flowtree.photos.read_trimap import require_aspect
 
-_LABELS = {"tree": 1, "background": 2, "unknown": 3}
+_LABELS = {"tree": 1, "background": 2, "occluder": 3, "unknown": 3}
 _SUBPIXEL = 4  # fractional bits of cv2's drawing
 _STROKES = '{"strokes": [{"label": "tree", "width": 8, "points": [[x, y], …]}, …]}'
 
@@ -27,13 +27,14 @@ def read_scribbles(
     """Reads scribbles from a picture or, where the file's name ends in ``.json``, from JSON.
 
     A picture has the photo's aspect (any size). Green or white is tree, red or black is background, blue is
-    unknown; a transparent pixel (alpha below one half), or any other grey, says nothing. Where strokes are
-    finer than the photo's pixels, the label that covers most of a pixel counts.
+    something that stands before the tree (a lamp post, a car): not background, but unknown; a transparent
+    pixel (alpha below one half), or any other grey, says nothing. Where strokes are finer than the photo's
+    pixels, the label that covers most of a pixel counts.
 
     JSON is ``{"strokes": [{"label": "tree", "width": 8, "points": [[x, y], …]}, …]}`` with the labels "tree",
-    "background" and "unknown"; width and points are in pixels of the upright original photo, (0, 0) its upper
-    left corner. A stroke of one point is a dot; a later stroke covers an earlier one. A stroke may leave the
-    picture, but not lie wholly outside it.
+    "background" and "occluder" ("unknown" says the same); width and points are in pixels of the upright
+    original photo, (0, 0) its upper left corner. A stroke of one point is a dot; a later stroke covers an
+    earlier one. A stroke may leave the picture, but not lie wholly outside it.
 
     Args:
         path: the file.
@@ -41,7 +42,7 @@ def read_scribbles(
         params: the cap on pixels.
 
     Returns:
-        (h, w) uint8 of the photo's size: 0 nothing, 1 tree, 2 background, 3 unknown.
+        (h, w) uint8 of the photo's size: 0 nothing, 1 tree, 2 background, 3 an occluder.
 
     Raises:
         InputError: no such file, malformed, another aspect than the photo's, a stroke outside, no stroke.
@@ -68,7 +69,7 @@ def _from_picture(file: Path, photo: Photo, params: PhotoParams) -> NDArray[np.u
     check.require(
         2 * int(strange.sum()) <= int(opaque.sum()),
         file.name,
-        "must be drawn in green or white (tree), red or black (background) and blue (unknown)",
+        "must be drawn in green or white (tree), red or black (background) and blue (occluder)",
         "mostly other colours",
         "draw on a transparent layer in those colours",
     )

@@ -9,6 +9,7 @@ from PIL import Image
 
 from flowtree.errors import InputError
 from flowtree.matting.extract_matte import extract_matte
+from flowtree.matting.prepare_photo import prepare_photo
 from flowtree.model.photo import Photo
 from flowtree.params import MattingParams
 from tests.matting.scenes import draw_tree, error
@@ -85,7 +86,44 @@ def test_what_stands_before_the_tree_is_unknown(given):
     matte = extract_matte(photo, trimap=trimap, scribbles=scribbles)
     assert matte.unknown is not None
     assert np.array_equal(matte.unknown, scribbles == 3)
-    assert extract_matte(photo, trimap=trimap, scribbles=np.minimum(scribbles, 1)).unknown is None
+    nothing = np.zeros_like(scribbles)
+    assert extract_matte(photo, trimap=trimap, scribbles=nothing).unknown is None
+
+
+def test_an_occluder_lends_the_tree_neither_alpha_nor_colour():
+    photo, truth = draw_tree(seed=4)
+    post = np.zeros(truth.shape, np.uint8)
+    post[30:, 70:76] = 3
+    painted = np.where(post[..., None] == 3, np.uint8([250, 0, 250]), photo.rgb)
+    matte = extract_matte(Photo("post.png", painted), scribbles=post)
+    crown = (post == 3) & (cv2.erode(truth, np.ones((5, 5))) > 0.9)
+    assert matte.alpha[crown].mean() > 0.8
+    assert error(matte.alpha, truth) < 0.06
+    red, green, blue = matte.foreground[crown].astype(float).mean(axis=0)
+    assert green > red
+    assert green > blue
+
+
+@pytest.mark.parametrize("strokes", [False, True])
+def test_a_prepared_photo_gives_the_same_bytes(strokes):
+    photo, truth = draw_tree(seed=5)
+    params = MattingParams(foreground_colors=("#3a5f0b",))
+    prepared = prepare_photo(photo, params=params)
+    scribbles = np.zeros(truth.shape, np.uint8) if strokes else None
+    if scribbles is not None:
+        scribbles[60:70, 60:90], scribbles[150:160, 5:30] = 1, 2
+    kept = extract_matte(photo, scribbles=scribbles, prepared=prepared, params=params)
+    anew = extract_matte(photo, scribbles=scribbles, params=params)
+    assert kept.alpha.tobytes() == anew.alpha.tobytes()
+    assert kept.foreground.tobytes() == anew.foreground.tobytes()
+
+
+def test_what_was_prepared_for_another_photo_is_refused():
+    photo, _ = draw_tree(seed=5)
+    with pytest.raises(InputError, match="prepared"):
+        extract_matte(photo, prepared=prepare_photo(draw_tree(seed=6)[0]))
+    with pytest.raises(InputError, match="prepared"):
+        extract_matte(photo, prepared=prepare_photo(photo), params=MattingParams(solve_height=100))
 
 
 def two_trees():

@@ -53,12 +53,13 @@ def test_json_is_in_pixels_of_the_original(tmp_path):
             {"label": "tree", "width": 8, "points": [[40, 20], [40, 100]]},
             {"label": "background", "width": 8, "points": [[0, 110], [300, 110]]},
             {"label": "unknown", "width": 2, "points": [[10, 10]]},
+            {"label": "occluder", "width": 2, "points": [[60, 60]]},
         ],
     )
     labels = read_scribbles(file, PHOTO)
     assert labels[30, 20] == 1
     assert labels[55, 35] == 2
-    assert labels[5, 5] == 3
+    assert labels[5, 5] == labels[30, 30] == 3
     assert labels[30, 5] == 0
     assert 3 <= (labels[30] == 1).sum() <= 6
 
