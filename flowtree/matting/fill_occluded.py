@@ -12,6 +12,8 @@ _FIRST, _ENOUGH = 5, 0.1  # window of the first round [pixels]; share of it that
 def fill_occluded(alpha: NDArray[np.float32], occluded: NDArray[np.bool_]) -> NDArray[np.float32]:
     """Fills alpha from around: the mean of what is known in the smallest window that holds enough of it.
 
+    Where no window up to twice the picture does, it is the mean of all that is known.
+
     Args:
         alpha: (h, w) in 0..1.
         occluded: (h, w), where something hides the tree.
@@ -20,7 +22,9 @@ def fill_occluded(alpha: NDArray[np.float32], occluded: NDArray[np.bool_]) -> ND
     """
     known = (~occluded).astype(np.float32)
     filled, missing, window = alpha.astype(np.float32), occluded.copy(), _FIRST
-    while missing.any() and known.any() and window < 4 * max(alpha.shape):
+    if occluded.all():
+        return filled
+    while missing.any() and window < 2 * max(alpha.shape):
         size = (window, window)
         mass = cv2.blur(known, size, borderType=cv2.BORDER_REFLECT)
         sums = cv2.blur(alpha * known, size, borderType=cv2.BORDER_REFLECT)
@@ -28,4 +32,5 @@ def fill_occluded(alpha: NDArray[np.float32], occluded: NDArray[np.bool_]) -> ND
         filled[reached] = np.clip(sums[reached] / mass[reached], 0.0, 1.0)
         missing &= ~reached
         window = 2 * window + 1
+    filled[missing] = alpha[~occluded].mean()
     return filled
