@@ -35,6 +35,7 @@ _STUB = 0.055  # of the height: shorter automatic branches are noise of the outl
 _WOOD = 0.6  # likeness to the stem's colour from which a thin part of a leafy tree is a limb
 _THIN = 0.02  # of the height: half width up to which it is thin
 _UPRIGHT_MERGING = 0.4  # times the merging: limbs of an upright crown stay apart
+_GROUND = 0.06  # of the height: no limb ends lower
 _BARRED = 10.0  # times dearer: beside the stem below a given first fork
 _CLOSED = 1e4  # times dearer: that stem itself, so that no other path joins it
 
@@ -124,7 +125,10 @@ def trace_attractor_graph(
         cost = _raise_stem(tree, cost, root, place, grid.tall)
     attach_strokes(tree, cost, [grid.to_cells(line) for line in lines], tall=grid.tall)
     if automatic > 0:
-        cover_limbs(tree, cost, np.where(shown, middle, 0.0), half, target=goal, tall=grid.tall)
+        # What begins at the ground is grass or roots.
+        above = np.arange(grid.alpha.shape[0])[:, None] < root[0] - _GROUND * grid.tall
+        ends = np.where(shown & above, middle, 0.0)
+        cover_limbs(tree, cost, ends, half, target=goal, tall=grid.tall)
     found = choose_seeds(
         grid, crown, count=automatic, mode=params.seed_mode, rng=rng, hanging=habit == "weeping"
     )

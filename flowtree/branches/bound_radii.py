@@ -12,6 +12,9 @@ from flowtree.model.attractor import LimbTree
 from flowtree.model.skeleton import Skeleton
 
 _THINNEST = 0.0035  # of the height: what is thinner is told by the rule, whose tips are no stumps
+_SLENDER = (
+    20.0  # radii that a limb is long at least: a shorter one is no limb but a clump before or behind it
+)
 _FOOT = 0.04  # of the height: the stem's end at the ground is no half width
 _ROUNDS = 6  # of smoothing along the branches
 _ON = 1e-5  # of the height: as near as this a node is the limb's
@@ -23,7 +26,8 @@ def bound_radii(skeleton: Skeleton, limbs: LimbTree) -> _Array:
     """Least and most radius (n, 2) [m] of the branches: 0 and infinity where no picture shows it.
 
     From node to node the limbs' measured radii are smoothed, and they never grow toward a tip. Of a thick
-    limb it is the radius; of a thin one, which twigs make look wider, only the most that it can be.
+    limb it is the radius, as far as the limb is slender; of a thin one, which twigs make look wider, only
+    the most that it can be.
 
     Args:
         skeleton: the branches.
@@ -39,8 +43,18 @@ def bound_radii(skeleton: Skeleton, limbs: LimbTree) -> _Array:
     known = ~np.isnan(seen)
     bounds[known, 1] = seen[known]
     thick = known & (seen >= _THINNEST * height)
-    bounds[thick, 0] = seen[thick]
+    bounds[thick, 0] = np.minimum(seen, _reach(skeleton) / _SLENDER)[thick]
     return bounds
+
+
+def _reach(skeleton: Skeleton) -> _Array:
+    """How far it is from each node to the farthest tip behind it (n,) [m]."""
+    parent = skeleton.parent
+    length = np.linalg.norm(skeleton.points - skeleton.points[np.maximum(parent, 0)], axis=1)
+    reach = np.zeros(len(parent))
+    for nodes in reversed(levels(parent)[1:]):
+        np.maximum.at(reach, parent[nodes], reach[nodes] + length[nodes])
+    return reach
 
 
 def _settle(skeleton: Skeleton, radius: _Array) -> _Array:

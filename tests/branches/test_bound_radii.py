@@ -26,11 +26,19 @@ def test_limbs_are_as_thick_as_measured():
     noisy = radius * np.random.default_rng(1).uniform(0.97, 1.1, len(radius))
     noisy[20:30] = np.nan  # hidden
     bounds = bound_radii(skeleton, limbs_of(skeleton, noisy))
-    clear = np.r_[5:20, 30:36, 48:85]  # not beside the fork
+    clear = np.r_[5:20, 30:36, 48:80]  # not beside the fork, nor at the tip
     assert bounds[clear, 0] == pytest.approx(radius[clear], rel=0.1)
-    assert np.array_equal(bounds[clear, 0], bounds[clear, 1])
+    assert np.array_equal(bounds[clear[:-20], 0], bounds[clear[:-20], 1])
     made = da_vinci_radii(skeleton, trunk_radius=0.3, bounds=bounds).radius
     assert made[5:36] == pytest.approx(radius[5:36], rel=0.1), "and between them as beside"
+
+
+def test_a_limb_is_slender_whatever_is_measured():
+    skeleton, radius = forked()
+    bounds = bound_radii(skeleton, limbs_of(skeleton, np.full(len(radius), 0.3)))
+    assert bounds[90, 0] == 0
+    assert bounds[80, 0] < 0.1
+    assert bounds[30, 0] == pytest.approx(0.3)
 
 
 def test_of_a_thin_branch_it_is_only_the_most():
