@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from scipy.special import ndtri
 
 from flowtree.geometry.choose_cover import choose_poses
-from flowtree.geometry.cover_canvas import CELLS, RING, CoverCanvas, lay_canvas
+from flowtree.geometry.cover_canvas import CELLS, CoverCanvas, lay_canvas, rod_radii
 from flowtree.geometry.footprint_means import optical_depth
 from flowtree.geometry.parent_array import levels
 from flowtree.geometry.place_chance import place_chance
@@ -26,7 +26,6 @@ _POSES = 12
 _SHORTEST, _LONGEST = 0.7, 1.25  # factors to the length
 _CONTENTED = 0.5  # share of the best pose's merit with which a branch stays as the flow left it
 _THICKEST = 2.5  # factor to the radius of thin branches at most
-_THICK = 512.0  # particles of a branch that is not thickened
 _DENSEST = 2.5  # optical depth that twigs alone can have
 _SIDE = 0.4  # length of a side twig to its twig's
 _SLIM = 0.5  # of a twig's width at its base, what is seen of it from a random side, tips and all
@@ -88,7 +87,8 @@ def _thicken(
     length = params.bare_length * height * (1.0 + _SIDE * params.side_twigs)
     factor = float(np.mean(lacking)) / (params.most * length * 2.0 * _SLIM * radius)
     factor = float(np.exp2(np.floor(_STEPS * np.log2(np.clip(factor, 1.0, _THICKEST))) / _STEPS))
-    share = np.clip(1.0 - np.log(np.maximum(skeleton.particles, 1)) / np.log(_THICK), 0.0, 1.0)
+    particles = np.maximum(skeleton.particles.astype(np.float64), 1.0)
+    share = 1.0 - np.log(particles) / np.log(max(particles[0], 2.0))
     grown = skeleton.radius * factor**share
     for nodes in levels(skeleton.parent)[1:]:
         grown[nodes] = np.minimum(grown[nodes], grown[skeleton.parent[nodes]])
@@ -134,7 +134,7 @@ def _turn_sprays(
     poses = _draw_poses(code, params, seed)
     pivot = points[sprays.pivot]
     rods = [points[parent[sprays.node]] - pivot[sprays.spray], points[sprays.node] - pivot[sprays.spray]]
-    radius = RING * (skeleton.radius[sprays.node] + skeleton.radius[parent[sprays.node]]) / 2
+    radius = rod_radii(parent, skeleton.radius)[sprays.node]
     # Every spray's rods once a pose.
     each = np.diff(np.append(first, len(sprays.node)))
     sizes = np.repeat(each, _POSES)

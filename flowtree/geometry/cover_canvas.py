@@ -10,11 +10,13 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from flowtree.geometry.footprint_means import OPAQUE, footprint_means
+from flowtree.geometry.parent_array import main_child
 from flowtree.geometry.plane_grid import PlaneGrid
 from flowtree.geometry.projection import View, view_axes
 
 FINE = 4  #: pixels of a canvas along a cell's side: about what a leaf is wide
-RING = 0.93  #: width of a branch's surface, rings of a few corners, to that of the round branch
+RING = 0.83  #: mean width of a twig's surface, rings of three corners, to that of a round twig
+_CORNERS = 12  # of the thickest ring; thinner ones have fewer, by the root of three of their radius
 CELLS = 64  #: along a tree's height, from its foot: those of `soft_iou`; across them a choice is worth less
 _GUESSED = np.float32(0.5)  # what an unknown pixel counts less: its alpha is a guess from around
 _MARGIN = 1  # cells around the picture, where nothing should be
@@ -101,8 +103,8 @@ class CoverCanvas:
         nodes = np.flatnonzero(parent >= 0)
         above = parent[nodes]
         place, width = points.astype(np.float64), radius.astype(np.float64)
-        mean = RING * (width[nodes] + width[above]) / 2
-        _, pixels, share = self._sample_rods(place[above], place[nodes], mean)
+        wide = rod_radii(parent, width)[nodes]
+        _, pixels, share = self._sample_rods(place[above], place[nodes], wide)
         cover = np.bincount(pixels, share, minlength=len(self.depth))  # side by side within a pixel
         more = -np.log1p(-np.minimum(cover, OPAQUE))
         return replace(self, depth=(self.depth + more).astype(np.float32))
@@ -123,7 +125,9 @@ class CoverCanvas:
         """
         entries, pixels, share = self._sample_rods(start, end, radius)
         last = np.cumsum(np.bincount(things, entries, minlength=count)).astype(np.int32)
-        return self._rows(share, pixels, np.concatenate([np.zeros(1, np.int32), last]))
+        bounds = np.concatenate([np.zeros(1, np.int32), last])
+        capped = np.minimum(share, np.float32(OPAQUE))
+        return sparse.csr_array((capped, pixels, bounds), shape=(count, len(self.depth)))
 
     def patch_covers(
         self, centre: _Floats, along: _Floats, aside: _Floats, area: _Floats, *, samples: tuple[int, int]
@@ -146,13 +150,11 @@ class CoverCanvas:
         x, y = (middle[:, k, None] + one[:, k, None] * way + other[:, k, None] * side for k in (0, 1))
         each = len(way)
         share = np.repeat((area / (self._pixel**2 * each)).astype(np.float32), each)
-        return self._rows(share, self.index(x, y).ravel(), np.arange(len(centre) + 1, dtype=np.int32) * each)
-
-    def _rows(
-        self, share: NDArray[np.float32], pixels: NDArray[np.int32], bounds: NDArray[np.int32]
-    ) -> sparse.csr_array:
-        capped = np.minimum(share, np.float32(OPAQUE))
-        return sparse.csr_array((capped, pixels, bounds), shape=(len(bounds) - 1, len(self.depth)))
+        bounds = np.arange(len(centre) + 1, dtype=np.int32) * each
+        covers = sparse.csr_array((share, self.index(x, y).ravel(), bounds), (len(centre), len(self.depth)))
+        covers.sum_duplicates()  # side by side within a pixel
+        covers.data = np.minimum(covers.data, np.float32(OPAQUE))
+        return covers
 
     def _sample_rods(
         self, start: _Floats, end: _Floats, radius: _Floats
@@ -178,7 +180,21 @@ class CoverCanvas:
             share = (number // steps[which] + np.float32(0.5)) / across[which]
             side = (2 * share - 1) * (half / np.maximum(length, np.float32(1e-9)))[which]
             x, y = x - along[which, 1] * side, y + along[which, 0] * side
-        return total, self.index(x, y), (2 * half * length / total)[which]
+        share = (2 * half * length / total).astype(np.float32)
+        return total, self.index(x, y), share[which]
+
+
+def rod_radii(parent: NDArray[np.integer[Any]], radius: _Floats) -> NDArray[np.float64]:
+    """Half the width (n,) [m] of the surface around the rod from every node's parent to it.
+
+    A side branch begins with its own radius, and rings of few corners lie within the round branch.
+    """
+    width = radius.astype(np.float64)
+    above = np.maximum(parent, 0)
+    carries_on = (main_child(parent, radius)[above] == np.arange(len(parent))) & (parent >= 0)
+    mean = np.where(carries_on, (width + width[above]) / 2, width)
+    corners = np.clip(_CORNERS * np.cbrt(mean / max(float(mean.max(initial=0.0)), 1e-12)), 3, _CORNERS)
+    return np.asarray(mean * np.sin(np.pi / corners) * corners / np.pi)
 
 
 def lay_canvas(

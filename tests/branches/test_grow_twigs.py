@@ -6,11 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flowtree.branches.grow_twigs import grow_twigs
-from flowtree.geometry.plane_grid import seen_depth
-from flowtree.geometry.segment_depth import rods_depth
+from flowtree.meshing.sweep_rings import sweep_rings
+from flowtree.model.mesh import Material
+from flowtree.model.tree import TreeModel
 from flowtree.model.volume import DensityVolume
 from flowtree.params import TwigParams
-from tests.crowns import CENTRE, HEIGHT, ball_crown, ball_volume, lone_branch, plane_of
+from flowtree.render.render_mask import render_mask
+from tests.crowns import CENTRE, HEIGHT, RADIUS, ball_crown, ball_volume, lone_branch, plane_of
 
 CROWN = ball_crown()
 FIELDS = ("parent", "points", "radius", "particles", "level", "twig")
@@ -175,19 +177,19 @@ def test_no_twig_grows_on_thick_limbs_or_on_the_stem():
     assert (made.points[tips, 1] > CENTRE - 2.4 - 0.3).all()
 
 
-def test_a_bare_tree_gets_the_depth_that_its_mattes_ask_for():
-    """In sum over the crown: what the twigs lack in one place they do not add in another."""
+def test_a_bare_tree_gets_the_alpha_of_its_mattes():
+    """In sum over the crown, of the finished wood."""
     scene = ball_crown(0.35, branches=60)
     made = grow_twigs(*scene.inputs, leafy=False)
+    bark = Material("bark", np.full((2, 2, 3), 90, np.uint8))
     for matte, camera in zip(scene.mattes, scene.cameras, strict=True):
-        grid, wanted = seen_depth(matte.alpha, camera, cell=HEIGHT / 64)
-        up = grid.bottom + (np.arange(grid.rows) + 0.5) * grid.cell
-        crown = np.tile(up > 3.2, grid.columns)
+        crown = np.hypot(plane_of(camera)[0], plane_of(camera)[1] - CENTRE) < 0.9 * RADIUS
         before, after = (
-            rods_depth(grid, s.parent, s.points, s.radius)[crown].sum() for s in (scene.skeleton, made)
+            render_mask(TreeModel("ball", HEIGHT, s, sweep_rings(s), bark, None), camera)[crown].mean()
+            for s in (scene.skeleton, made)
         )
-        assert before < 0.6 * wanted[crown].sum()
-        assert after == pytest.approx(wanted[crown].sum(), rel=0.2)
+        assert before < 0.6 * matte.alpha[crown].mean()
+        assert after == pytest.approx(matte.alpha[crown].mean(), rel=0.15)
 
 
 def test_a_hole_in_the_mattes_gets_fewer_twigs():
