@@ -37,6 +37,7 @@ class Placement:
         camera: of the straightened picture; its size is the picture's.
         warp: (3, 3) float64 that takes (x, y, 1) [pixels] of the straightened picture to those of the
             photograph, up to scale; None where the photograph is that picture already.
+        frame: (columns, rows) of the photograph.
         missing: sides of the photograph, of "left", "right", "top", "bottom", where the tree leaves it.
         estimates: what the camera was made from.
         warnings: what a person should look at, in words.
@@ -44,6 +45,7 @@ class Placement:
 
     camera: Camera
     warp: NDArray[np.float64] | None = None
+    frame: tuple[int, int] = (0, 0)
     missing: tuple[str, ...] = ()
     estimates: tuple[Estimate, ...] = ()
     warnings: tuple[str, ...] = ()

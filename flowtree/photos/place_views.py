@@ -292,4 +292,5 @@ def _place(view: _View, matte: Matte, yaw: float, height: float) -> Placement:
     camera, warp = straight_camera(
         plane, view.foot, view.roll, matte.alpha.shape, yaw=yaw, height=height, missing=view.cut
     )
-    return Placement(camera, warp, view.cut, view.estimates, view.warnings)
+    frame = (view.shape[1], view.shape[0])
+    return Placement(camera, warp, frame, view.cut, view.estimates, view.warnings)

@@ -15,6 +15,7 @@ from flowtree.model.matte import Matte
 from flowtree.model.photo import Photo
 from flowtree.model.placement import Placement
 from flowtree.photos.level_picture import pixel_centres
+from flowtree.photos.place_pixels import place_pixels
 from flowtree.photos.straighten_lines import move_places
 
 _SOLID = 0.5  # alpha inside the trunk
@@ -106,9 +107,7 @@ def _beyond(alpha: NDArray[np.float32], placement: Placement) -> NDArray[np.bool
     sides = [side for side in placement.missing if side != "bottom"]
     if not sides:
         return outside
-    u, v = np.arange(camera.width) + 0.5, (np.arange(camera.height) + 0.5)[:, None]
-    x, y, depth = (row[0] * u + row[1] * v + row[2] for row in np.asarray(placement.warp))
-    x, y = x / depth, y / depth
+    x, y = place_pixels(placement)
     for side in sides:
         edge = {"left": alpha[:, 0], "right": alpha[:, -1], "top": alpha[0]}[side]
         near = cv2.GaussianBlur(edge[:, None], (0, 0), 1.0, sigmaY=_AROUND * len(edge)).ravel() > _TOUCHES

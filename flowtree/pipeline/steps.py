@@ -189,10 +189,12 @@ def run_lines(
     return straighten_lines(strokes, marks, placement)
 
 
-def run_completing(job: Job, mattes: tuple[Matte, ...], cameras: tuple[Camera, ...]) -> tuple[Matte, ...]:
-    """Mattes with a guess where they know nothing."""
+def run_completing(
+    job: Job, mattes: tuple[Matte, ...], placements: tuple[Placement, ...]
+) -> tuple[Matte, ...]:
+    """Mattes with what their photographs' frames cut off."""
     del job
-    return complete_mattes(mattes, cameras)
+    return complete_mattes(mattes, placements)
 
 
 def run_retouching(job: Job, matte: Matte, edit: PaintedEdit) -> Matte:

@@ -83,7 +83,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="completing",
         run=steps.run_completing,
-        inputs=("straight_mattes", "cameras"),
+        inputs=("straight_mattes", "placements"),
         outputs=("bare_mattes",),
         splits=True,
         share=0.02,
