@@ -39,7 +39,8 @@ def reconstruct(
         list[str] | None,
         typer.Option(
             help="Drawn branches: .svg, .json or .png; a .json may also say where foot, top, first fork and "
-            f"branch tips are. {_PER_PHOTO}"
+            "branch tips are, and roll [degrees], distance [m] and focal_length [mm on 36 x 24 film] of the "
+            f"photo. {_PER_PHOTO}"
         ),
     ] = None,
     trimap: Annotated[

@@ -9,7 +9,7 @@ from flowtree.model.placement import Placement
 
 
 def place_pixels(placement: Placement) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Columns and rows (h, w) [pixels of the photograph] of pixel centre of ``placement.camera``."""
+    """Columns and rows (h, w) [pixels of the photograph] of the centres of the picture's pixels."""
     camera = placement.camera
     u, v = np.arange(camera.width) + 0.5, (np.arange(camera.height) + 0.5)[:, None]
     warp = np.eye(3) if placement.warp is None else placement.warp
