@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from flowtree.flow.route_to_foot import route_to_foot
+from flowtree.model.field import LimbField
 from flowtree.model.volume import DensityVolume
 from tests.flows import cone_volume
 
@@ -58,3 +59,34 @@ def test_vectors_are_longer_in_the_air_than_in_the_crown():
     route = route_to_foot(_gallows())
     assert np.linalg.norm(_at(route, (1.0, 3.0, 0.0))) < 1.1  # in the arm
     assert np.linalg.norm(_at(route, (1.0, 1.5, 0.0))) > 1.8  # below it
+
+
+def _limb_field(vector):
+    vectors = np.broadcast_to(np.float32(vector), (12, 14, 12, 3)).copy()
+    return LimbField(vectors, np.float32([-1.1, -0.1, -1.1]), 0.2)
+
+
+def test_where_the_limbs_field_is_sure_it_alone_is_followed():
+    directions, corner, spacing = route_to_foot(cone_volume(), _limb_field((0.6, 0.0, -0.8)))
+    assert np.array_equal(corner, np.float32([-1.1, -0.1, -1.1]))
+    assert spacing == 0.2
+    assert np.allclose(directions, np.float32([1.2, 0.0, -1.6]), atol=1e-5)
+
+
+def test_where_it_says_nothing_the_way_is_as_without_it():
+    volume = cone_volume()
+    with_limbs, without = route_to_foot(volume, _limb_field((0.0, 0.0, 0.0))), route_to_foot(volume)
+    for place in ((0.0, 0.5, 0.0), (0.1, 1.5, 0.1), (-0.3, 1.7, 0.1)):
+        ways = [way / np.linalg.norm(way) for way in (_at(with_limbs, place), _at(without, place))]
+        assert ways[0] @ ways[1] > 0.9
+    length = np.linalg.norm(with_limbs[0], axis=-1)
+    assert length.max() < 2 + 1e-5
+
+
+def test_half_sure_the_two_are_mixed():
+    plain = _at(route_to_foot(cone_volume(), _limb_field((0.0, 0.0, 0.0))), (0.0, 0.7, 0.0))
+    mixed = _at(route_to_foot(cone_volume(), _limb_field((0.5, 0.0, 0.0))), (0.0, 0.7, 0.0))
+    assert plain[1] < -0.9
+    assert mixed[0] > 0.5
+    assert mixed[1] < -0.5
+    assert np.linalg.norm(mixed) == pytest.approx(1.5, abs=0.01)
