@@ -7,19 +7,20 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from benchmarks.measure_truth import INPUTS, load_truth, mark_ends
 from flowtree.geometry.footprint_means import footprint_means
 from flowtree.model.camera import Camera
 from flowtree.model.edit import PaintedEdit
 from flowtree.model.photo import Photo
-from flowtree.params import FlowParams, LeafParams, Params
+from flowtree.params import LeafParams, Params
 from flowtree.pipeline.cache import StageCache
 from flowtree.pipeline.reconstruct import reconstruct
 from flowtree.render.render_mask import render_mask
 
 _BIRCH = Path(__file__).parents[2] / ".." / "shared" / "data" / "truth" / "birch"
-SMALL = Params(flow=FlowParams(particle_count=700), leaves=LeafParams(most=4000))
+SMALL = Params(leaves=LeafParams(most=4000))
 SHRINK = 2
 pytestmark = pytest.mark.skipif(not _BIRCH.is_dir(), reason="the test data beside the project is not there")
 
@@ -142,5 +143,5 @@ def _assert_limbs_stay(painter, made, middle):
     away = np.linalg.norm(_pixels(painter, points) - middle, axis=1)
     cell = 0.1 * painter.height / painter.cameras[0].metres_per_pixel
     far = points[away > painter.radius + cell]
-    nearest = np.linalg.norm(far[:, None] - new.points[None, ~new.twig], axis=2).min(axis=1)
+    nearest = cKDTree(new.points[~new.twig]).query(far)[0]
     assert (nearest < 0.03 * painter.height).mean() > 0.9
