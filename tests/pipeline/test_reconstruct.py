@@ -82,7 +82,8 @@ def test_the_report_has_the_form_of_the_design(made):
     )
     assert report["mesh"]["watertight"] is True
     for view in report["views"]:
-        assert {"file", "yaw", "soft_iou", "matte"} == set(view)
+        assert {"file", "yaw", "soft_iou", "matte", "alignment"} == set(view)
+        assert {"foot", "top", "straightened", "leaves_picture_at"} == set(view["alignment"])
         assert 0.4 < view["soft_iou"] <= 1.0
     assert report["peak_memory_mb"] > 0
     assert report["warnings"] == []
