@@ -98,7 +98,8 @@ def _outline(
         return np.full(height, centre), np.full(height, centre)
     widest = float((edges[filled, 1] - edges[filled, 0]).max())
     off = filled & ~(np.abs(np.nan_to_num(edges.mean(axis=1)) - centre) < 0.3 * widest)
-    lines = []
+    lines: list[NDArray[np.float64]] = []
+    ends: list[int] = []
     for side, sign in ((0, -1), (1, 1)):
         usable = filled & ~off
         for row in np.flatnonzero(usable):
@@ -109,8 +110,23 @@ def _outline(
             if beside.size and row >= beside.min() - _MARGIN * height - 1:
                 usable[row] = False  # this edge is where the horizon steps, not where the crown ends
         known = np.flatnonzero(usable if usable.sum() > 3 else filled)
+        ends.append(int(known[-1]))
         lines.append(_continue_edge(known, edges[known, side], sign, height))
+    _mirror_edge(lines, ends, centre)
     return lines[0], lines[1]
+
+
+def _mirror_edge(lines: list[NDArray[np.float64]], ends: list[int], centre: float) -> None:
+    """Where one side is hidden and the other still shows that the crown narrows, both narrow alike."""
+    hidden, shown = (0, 1) if ends[0] < ends[1] else (1, 0)
+    first = min(ends)
+    half = np.abs(lines[shown] - centre)
+    narrowed = np.abs(lines[hidden][first] - centre) * half / max(float(half[first]), 1.0)
+    below = slice(first + 1, None)
+    if hidden == 0:
+        lines[0][below] = np.maximum(lines[0][below], (centre - narrowed)[below])
+    else:
+        lines[1][below] = np.minimum(lines[1][below], (centre + narrowed)[below])
 
 
 def _continue_edge(

@@ -19,6 +19,7 @@ _COLOUR, _SHARES, _TEXTURE = 2.5, 3.0, 2.0  # what colours here, colours at all 
 _TEXTURE_SAYS = 0.3
 _ENCLOSED = 2.0  # log-odds of a pixel with tree on all four sides; half of it on three
 _LEARNED = 0.5  # weight of what was labelled beside what was known
+_CROWN = 1.5  # log-odds that what stands before the sky in the middle is the tree
 _SPOKEN = 8.0  # weight of a scribbled pixel among those that teach a model
 
 
@@ -38,8 +39,9 @@ def label_tree(
     so the rest is looked for near the pixel, in its rows, and all over (`rate_likeness`). The log-odds of
     colour and texture join with where a tree can be (the outline of the crown continued downwards), and a
     minimal cut (`cut_regions`) finds the region, its border short and along edges. Both models are learned
-    again from the result. Ground that looks more like the crown than like other ground teaches little: the
-    tree may reach out further than its outline before the sky tells.
+    again from the result. Ground that looks more like the crown than like other ground teaches little, for
+    the tree may reach out further than its outline before the sky tells; so does what looks like ground in
+    the crown: a roof or another tree behind it.
 
     Args:
         looks: of the picture.
@@ -60,6 +62,9 @@ def label_tree(
     taught *= solid
     other = (((outside & ~crown.core & (evidence < 1.0)) | (evidence < -1.0)) & solid).astype(np.float32)
     alike = _shares_ratio(looks, taught * looks.unmixed, other)
+    sure = np.float32(_CROWN)  # a roof before the sky teaches little, where the rest of the crown is no roof
+    silent = evidence <= 1.0
+    taught = np.where(silent, taught / (1.0 + np.exp(-sure - alike)), taught).astype(np.float32)
     other = np.where(evidence < -1.0, other, other / (1.0 + np.exp(alike))).astype(np.float32)
     other[(evidence <= -CERTAIN) & solid] = _SPOKEN
     share, coarse_prior = halve(solid), halve(prior)
