@@ -13,6 +13,7 @@ from benchmarks.likeness.paint_photo import SKIES, paint_photo
 from benchmarks.likeness.show_mattes import show_mattes
 from benchmarks.likeness.show_sheet import show_sheet
 from flowtree.matting.extract_matte import extract_matte
+from flowtree.matting.prepare_photo import prepare_photo
 from flowtree.pipeline.reconstruct import reconstruct
 
 _AUTOMATIC, _SCRIBBLED = 0.03, 0.02
@@ -28,7 +29,8 @@ def measure_cutouts(bench: Bench, names: Sequence[str]) -> list[Row]:
     for name in names:
         for weather, sky in SKIES.items():
             photo, truth = paint_photo(bench.data / "cutouts" / f"{name}.png", sky)
-            alpha = extract_matte(photo, params=bench.params.matting).alpha
+            prepared = prepare_photo(photo, params=bench.params.matting)
+            alpha = extract_matte(photo, prepared=prepared, params=bench.params.matting).alpha
             item = f"{name} {weather}"
             alone[item] = matte_error(alpha, truth)
             scribbles = np.zeros(alpha.shape, np.uint8)
@@ -38,7 +40,9 @@ def measure_cutouts(bench: Bench, names: Sequence[str]) -> list[Row]:
                 if more is None:
                     continue
                 scribbles = more
-                alpha = extract_matte(photo, scribbles=scribbles, params=bench.params.matting).alpha
+                alpha = extract_matte(
+                    photo, scribbles=scribbles, prepared=prepared, params=bench.params.matting
+                ).alpha
                 steps.append((alpha, scribbles))
             mended[item] = matte_error(alpha, truth)
             show_mattes(bench, f"matte_{name}_{weather}", photo, truth, steps)

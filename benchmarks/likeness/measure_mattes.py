@@ -11,6 +11,7 @@ from benchmarks.likeness.draw_scribble import draw_scribble
 from benchmarks.likeness.matte_error import matte_error
 from benchmarks.likeness.show_mattes import show_mattes
 from flowtree.matting.extract_matte import extract_matte
+from flowtree.matting.prepare_photo import prepare_photo
 from flowtree.photos.load_photo import load_photo
 
 _AUTOMATIC, _SCRIBBLED = 0.06, 0.04
@@ -28,7 +29,8 @@ def measure_mattes(bench: Bench, names: Sequence[str]) -> list[Row]:
             folder = bench.data / "truth" / name
             photo = load_photo(folder / f"photo_{number}.jpg", params=bench.params.photos)
             truth = load_grey(folder / f"alpha_{number}.png")
-            alpha = extract_matte(photo, params=bench.params.matting).alpha
+            prepared = prepare_photo(photo, params=bench.params.matting)
+            alpha = extract_matte(photo, prepared=prepared, params=bench.params.matting).alpha
             item = f"{name} {number}"
             alone[item] = matte_error(alpha, truth)
             scribbles = np.zeros(alpha.shape, np.uint8)
@@ -38,7 +40,9 @@ def measure_mattes(bench: Bench, names: Sequence[str]) -> list[Row]:
                 if more is None:
                     break
                 scribbles = more
-                alpha = extract_matte(photo, scribbles=scribbles, params=bench.params.matting).alpha
+                alpha = extract_matte(
+                    photo, scribbles=scribbles, prepared=prepared, params=bench.params.matting
+                ).alpha
                 steps.append((alpha, scribbles))
             mended[item] = matte_error(alpha, truth)
             show_mattes(bench, f"matte_{name}_{number}", photo, truth, steps)

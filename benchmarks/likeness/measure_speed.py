@@ -18,6 +18,7 @@ from benchmarks.likeness.bench import Bench, Row, load_grey
 from benchmarks.likeness.draw_scribble import draw_scribble
 from benchmarks.watch_command import watch_command
 from flowtree.matting.extract_matte import extract_matte
+from flowtree.matting.prepare_photo import prepare_photo
 from flowtree.model.photo import Photo
 from flowtree.photos.load_photo import load_photo
 
@@ -49,7 +50,13 @@ def measure_speed(bench: Bench, names: Sequence[str]) -> list[Row]:
             truth = cv2.resize(load_grey(bench.data / "truth" / name / "alpha_0.png"), alpha.shape[::-1])
             scribbles = draw_scribble(alpha, truth, np.zeros(alpha.shape, np.uint8))
             if scribbles is not None:
-                again = partial(extract_matte, photo, scribbles=scribbles, params=bench.params.matting)
+                again = partial(
+                    extract_matte,
+                    photo,
+                    scribbles=scribbles,
+                    prepared=prepare_photo(photo, params=bench.params.matting),
+                    params=bench.params.matting,
+                )
                 mended[name], _ = _timed(again)
     rows = (
         ("two 12-megapixel photos to GLB, whole process", _WHOLE, whole),
