@@ -306,7 +306,7 @@ class LeafParams(StageParams):
     )
     amount: float = _number(1.0, "factor to the optical depth that the mattes ask for", ge=0, le=4)
     most: int = _number(24000, "leaves at most", ge=1, le=2_000_000)
-    choice: float = _number(10.0, "places looked at for each leaf", ge=1, le=20)
+    choice: float = _number(20.0, "places looked at for each leaf", ge=1, le=20)
     densest: float = _number(12.0, "places at most along a leaf's length of twig", ge=1, le=100)
     divergence: float = _number(
         137.5, "angle around the twig from leaf to leaf; 90 and 180 occur too", ge=0, le=360, unit="degrees"

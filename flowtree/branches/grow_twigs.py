@@ -32,10 +32,10 @@ _SHEATH = 0.1  # of its length, the radius of the leaves around a twig
 _BARE = 5.0  # times as many places on a bare tree, where every twig is seen
 _BARE_MOST = 1.5  # times as many twigs at most, for they hide less than leaves do
 _SLIMMER = 0.8  # times its branch's radius, a twig's at most
-_WORTH = 0.03  # alpha that must be missing where a twig would stand, in the mean over it
+_WORTH = 0.01  # alpha that must be missing where a twig would stand, in the mean over it
 _OPEN = 0.9  # of the leaves around a twig at most
 _STEM = 3.0  # rows no wider than this many radii of the trunk show the stem alone: no twig grows there
-_BATCHES = 16
+_BATCHES = 32
 _STREAMS = 8  # random numbers of a place
 _COUNT, _TURN, _LEAN, _LENGTH, _SHAPE, _BATCH, _CHANCE = range(7)
 

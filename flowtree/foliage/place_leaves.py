@@ -36,7 +36,7 @@ _WORTH = 0.01  # alpha that must be missing where a leaf would hang
 _PLACES = 80_000  # looked at, at most
 _STEPS = 8  # of a leaf's length and of the places' number, to each doubling
 _FEWEST, _FINEST = 2, 5  # points along and across a leaf at which it is looked up
-_BATCHES = 16
+_BATCHES = 32
 _STREAMS = 16  # random numbers of a place
 _COUNT, _WAY, _TURN, _LEAN, _BEND, _ROLL, _SIZE, _BATCH, _CHANCE = 0, 1, 2, 3, 4, 7, 8, 9, 10
 
