@@ -59,6 +59,8 @@ def guess_alpha(
         crown = _assume_centre(name, texture, sky)
     tree = label_tree(looks, sky.mask, crown, evidence, below=0.0, rounds=2)
     trunk = trace_trunk(prepared.bands, tree > 0.5, centre=crown.centre, width=crown.width)
+    if trunk is not None and scribbles is not None:
+        trunk = _stop_trunk(trunk, scribbles == BACKGROUND)
     if trunk is not None:
         said = np.abs(evidence) >= CERTAIN
         evidence = np.where(said, evidence, evidence + _beside_trunk(trunk, tree, crown))
@@ -83,6 +85,18 @@ def guess_alpha(
     check.require(share > 0.001, name, "must show a tree", "no tree found", _REMEDY)
     check.require(share < 0.98, name, "must show something beside the tree", "one thing all over", _REMEDY)
     return alpha, confidence
+
+
+def _stop_trunk(trunk: Trunk, background: NDArray[np.bool_]) -> Trunk | None:
+    """The trunk down to the first row where a scribble crosses it: its reflection, or a post under it."""
+    crossed = [
+        bool(background[row, max(0, x - half) : x + half + 1].any())
+        for row, x, half in zip(trunk.rows, trunk.centre, trunk.half, strict=True)
+    ]
+    end = crossed.index(True) if any(crossed) else len(crossed)
+    if end == 0:
+        return None
+    return Trunk(trunk.rows[:end], trunk.centre[:end], trunk.half[:end], trunk.contrast[:end])
 
 
 def _assume_centre(name: str, texture: NDArray[np.float32], sky: Sky) -> Crown:

@@ -104,6 +104,17 @@ def test_an_occluder_lends_the_tree_neither_alpha_nor_colour():
     assert green > blue
 
 
+def test_a_scribble_across_the_trunk_ends_it():
+    photo, truth = draw_tree(seed=7)
+    rows = np.flatnonzero((truth > 0.5).any(axis=1))
+    cut = int(rows[-1]) - 14
+    scribbles = np.zeros(truth.shape, np.uint8)
+    scribbles[cut : cut + 3, 74:87] = 2
+    below = np.s_[cut + 5 : rows[-1] - 1, 74:87]
+    assert extract_matte(photo).alpha[below].mean() > 0.4
+    assert extract_matte(photo, scribbles=scribbles).alpha[below].mean() < 0.4
+
+
 @pytest.mark.parametrize("strokes", [False, True])
 def test_a_prepared_photo_gives_the_same_bytes(strokes):
     photo, truth = draw_tree(seed=5)
