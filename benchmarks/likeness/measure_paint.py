@@ -12,17 +12,19 @@ from benchmarks.likeness.make_known import make_known, see_alpha
 from benchmarks.likeness.measure_holes import place_hole
 from benchmarks.likeness.show_sheet import show_sheet
 from benchmarks.measure_truth import INPUTS, Truth, load_truth
+from flowtree.geometry.footprint_means import footprint_means
 from flowtree.model.edit import PaintedEdit
 
 _ERASED, _ADDED, _OUTSIDE = 0.15, 0.5, 0.03
-_AROUND = 0.03  # beside the paint a tree may change, too [tree heights]
+_CELLS = 64  # along the height, as in soft IoU
+_THERE = 0.02  # alpha from which on a cell holds something
 
 
 def measure_paint(bench: Bench, names: Sequence[str]) -> list[Row]:
     """A disc of a tenth of the crown erased, and one added beside the crown, in the first view.
 
-    Alpha is that of the finished tree from there. Outside: its mean change over what the crown covered, away
-    from the paint.
+    Alpha is that of the finished tree from there. Away from the paint its mean change counts, over the cells
+    of soft IoU (a leaf may move by its own width) that hold something before or after.
     """
     erased, added, outside = {}, {}, {}
     yaw = INPUTS[0]
@@ -38,9 +40,7 @@ def measure_paint(bench: Bench, names: Sequence[str]) -> list[Row]:
             show_sheet(bench, f"{item}_{name}", made)
             after = see_alpha(made, truth, yaw)
             reached[name] = float(after[place].mean())
-            away = _far_from(place, truth, yaw)
-            change = np.abs(after - before)[away].sum() / max(float((before[away] > 0).sum()), 1.0)
-            outside[f"{name} {item}"] = float(change)
+            outside[f"{name} {item}"] = _change_beside(before, after, paint, truth, yaw)
     return [
         Row("alpha where the crown was erased, worst", _ERASED, max(erased.values()), erased, at_most=True),
         Row("alpha where crown was added, worst", _ADDED, min(added.values()), added),
@@ -62,8 +62,21 @@ def place_addition(truth: Truth, yaw: int, hole: NDArray[np.bool_]) -> NDArray[n
     return (down - row) ** 2 + (right - middle) ** 2 <= radius**2
 
 
-def _far_from(place: NDArray[np.bool_], truth: Truth, yaw: int) -> NDArray[np.bool_]:
-    rows, columns = np.nonzero(place)
-    reach = np.sqrt(len(rows) / np.pi) + _AROUND * truth.height / truth.cameras[yaw].metres_per_pixel
-    down, right = np.mgrid[: place.shape[0], : place.shape[1]]
-    return (down - rows.mean()) ** 2 + (right - columns.mean()) ** 2 > reach**2
+def _change_beside(
+    before: NDArray[np.float32],
+    after: NDArray[np.float32],
+    paint: NDArray[np.float32],
+    truth: Truth,
+    yaw: int,
+) -> float:
+    """Mean absolute change of the cells' alpha where nothing is painted."""
+    camera, cell = truth.cameras[yaw], truth.height / _CELLS
+    half = int(np.ceil(camera.width * camera.metres_per_pixel / cell))
+    old, new, cover = (
+        footprint_means(
+            picture, camera, left=-half * cell, bottom=0.0, cell=cell, columns=2 * half, rows=_CELLS + 2
+        )
+        for picture in (before, after, paint)
+    )
+    beside = (cover == 0) & (np.maximum(old, new) > _THERE)
+    return float(np.abs(new - old)[beside].mean()) if beside.any() else 0.0
