@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, map_coordinates
@@ -18,7 +19,7 @@ from flowtree.model.volume import DensityVolume
 
 _DEPTHS = 73  # places along a ray; odd, so that the axis is one
 _SAME = 0.015  # of the height: a limb whose picture is this near to a line of a graph is that line
-_ON = 0.012  # of the height: as near as this a place is on a line; nodes of graphs lie that far apart
+_ON = 0.004  # of the height: as near as this a place is on a line; cell of the maps of distances
 _NEAR = 0.05  # of the height: farther from a graph's line than this a place is not on it
 _SHORTEST = 0.03  # of the height: what a view shows more of a limb than the others must be this long
 _AIR = 2.0  # what a way through air costs, of what a way off the other views' lines costs
@@ -105,6 +106,31 @@ def _height_offset(line: _Array, flat: _Array) -> _Array:
     return np.asarray((chosen - flat)[:, 0])
 
 
+class _Distances:
+    """How far the places of a view's plane are from the nearest of some of its lines, on a grid."""
+
+    def __init__(self, graph: AttractorGraph, chosen: NDArray[np.bool_], height: float) -> None:
+        points = graph.points.astype(np.float64)
+        self._cell = _ON * height
+        self._low = points.min(axis=0) - _NEAR * height
+        size = np.ceil((points.max(axis=0) + _NEAR * height - self._low) / self._cell).astype(int)
+        place = np.floor((points - self._low) / self._cell).astype(np.int32)
+        blank = np.ones((size[1], size[0]), np.uint8)
+        node = np.flatnonzero(chosen & (graph.parent >= 0))
+        cv2.polylines(blank, list(np.stack([place[graph.parent[node]], place[node]], axis=1)), False, 0)
+        found = cv2.distanceTransform(blank, cv2.DIST_L2, 5) if len(node) else np.full(blank.shape, np.inf)
+        self._distance = found.astype(np.float64) * self._cell
+
+    def at(self, flat: _Array) -> _Array:
+        """Distance (n,) [m] of places (n, 2) [m], to a cell; infinite far outside of the graph."""
+        column, row = np.floor((flat - self._low) / self._cell).astype(int).T
+        rows, columns = self._distance.shape
+        inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
+        result = np.full(len(flat), np.inf)
+        result[inside] = self._distance[row[inside], column[inside]]
+        return result
+
+
 class _Lifting:
     """The limbs while branches are still joining them.
 
@@ -128,6 +154,7 @@ class _Lifting:
         self.points = np.zeros((room, 3))
         self.radius = np.full(room, np.nan)
         self._view = np.full(room, -1)
+        self._settled = np.zeros((len(graphs), room), np.bool_)  # nodes that look like a line of a view
         self._graphs, self._height = graphs, height
         self._axes = [view_axes(yaw) for yaw in yaws]
         self._yaws = yaws
@@ -141,6 +168,10 @@ class _Lifting:
         size = np.array(volume.density.shape) * self._voxel
         reach = float(np.abs([self._origin, self._origin + size])[:, [0, 2]].max())
         self._depths = np.linspace(-reach, reach, _DEPTHS)
+        self._distances: list[tuple[_Distances, _Distances]] = [
+            (_Distances(graph, ~taken, height), _Distances(graph, taken, height))
+            for graph, taken in zip(graphs, self._taken, strict=True)
+        ]
 
     def add(self, view: int, nodes: list[int]) -> None:
         """Adds what no limb looks like yet of a branch of one view."""
@@ -160,6 +191,7 @@ class _Lifting:
         self.points[place] = rest[:, :1] * right + rest[:, 1:] * up + depth[:, None] * toward
         self.radius[place] = self._thickness(view, new)
         self._view[place] = view
+        self._settled[view][place] = True
         self._limb_of[view][new] = place
         self.count += len(new)
         self._mark_taken(self.points[place])
@@ -194,9 +226,12 @@ class _Lifting:
         come = np.array([reached[node] for node in way])
         at = np.searchsorted(come, np.arange(known + 1))
         self._limb_of[view][nodes[: known + 1]] = np.array(way)[at]
-        half = self._thickness(view, nodes)[come]
+        # A lighter branch that begins beside a heavier one must neither bend nor thin it.
+        fresh = ~self._settled[view][way]
+        self._settled[view][way] = True
+        half = np.where(fresh, self._thickness(view, nodes)[come], np.nan)
         self.radius[way] = np.fmin(self.radius[way], half)
-        self._draw_onto(view, np.array(way), line)
+        self._draw_onto(view, np.array(way)[fresh], line)
         return known
 
     def _draw_onto(self, view: int, way: NDArray[np.int64], line: _Array) -> None:
@@ -214,7 +249,8 @@ class _Lifting:
         done[way] = True
         for _ in range(_FADING):  # what grows from there comes along, less and less
             front = np.flatnonzero(~done & done[self.parent[: self.count]] & (self.parent[: self.count] >= 0))
-            shift[front] = _FADE * shift[self.parent[front]] * (self._view[front] >= 0)
+            free = (self._view[front] >= 0) & ~self._settled[view][front]
+            shift[front] = _FADE * shift[self.parent[front]] * free
             done[front] = True
         toward = np.array([np.zeros(3), *(axes[2] for axes in self._axes)])[self._view[: self.count] + 1]
         self.points[: self.count] += shift[:, None] * toward
@@ -254,17 +290,14 @@ class _Lifting:
         index = (place - self._origin) / self._voxel - 0.5
         solid = map_coordinates(self._solid, index.reshape(-1, 3).T, order=1, mode="constant")
         price = _AIR * (1.0 - solid.reshape(place.shape[:2]))
-        for other, graph in enumerate(self._graphs):
+        for other in range(len(self._graphs)):
             if other == view or abs(float(self._axes[other][2] @ self._axes[view][2])) > 0.995:
                 continue
             flat = to_plane(place.reshape(-1, 3), self._yaws[other])
-            taken = self._taken[other]
             off = np.full(len(flat), 1.0)
-            for lines, least in ((graph.points[~taken], 0.0), (graph.points[taken], _SHARED)):
-                if len(lines):
-                    distance = cKDTree(lines).query(flat)[0] / self._height
-                    away = np.maximum(distance - _ON, 0.0) / (_NEAR - _ON)
-                    off = np.minimum(off, least + (1.0 - least) * away)
+            for lines, least in zip(self._distances[other], (0.0, _SHARED), strict=True):
+                away = np.maximum(lines.at(flat) / self._height - _ON, 0.0) / (_NEAR - _ON)
+                off = np.minimum(off, least + (1.0 - least) * away)
             price += off.reshape(price.shape)
         return np.asarray(price)
 
@@ -274,3 +307,12 @@ class _Lifting:
             left = np.flatnonzero(~self._taken[view])
             distance = cKDTree(to_plane(points, self._yaws[view])).query(graph.points[left])[0]
             self._taken[view][left] = distance < _SAME * self._height
+            self._map_distances(view)
+
+    def _map_distances(self, view: int) -> None:
+        """How far all places are from the view's lines that no limb has taken, and from the others."""
+        taken = self._taken[view]
+        self._distances[view] = (
+            _Distances(self._graphs[view], ~taken, self._height),
+            _Distances(self._graphs[view], taken, self._height),
+        )

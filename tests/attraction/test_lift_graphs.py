@@ -45,6 +45,9 @@ TREE = limbs_of(
 )
 
 
+STEEP = [(0.15, 0.2, 0.05), (0.3, -0.2, 0.1), (0.4, 0.1, -0.2), (0.55, -0.1, -0.15)]  # low, side, away
+
+
 def graph_of(limbs, yaw):
     return AttractorGraph(limbs.parent, to_plane(limbs.points, yaw).astype(np.float32))
 
@@ -58,6 +61,23 @@ def test_limbs_seen_from_two_sides_are_found():
     assert far_apart(TREE.points, made.points) < 0.05
     assert far_apart(made.points, TREE.points) < 0.05
     assert int((np.bincount(made.parent[1:], minlength=len(made.parent)) == 0).sum()) == 4
+
+
+def test_branches_that_begin_along_the_stem_neither_bend_nor_thin_it():
+    steep = [[[0, low, 0], [0.012, low + 0.15, 0.01], [side, low + 0.25, away]] for low, side, away in STEEP]
+    tree = limbs_of([[0, 0, 0], [0, 0.95, 0]], *steep)
+    graphs = []
+    for yaw in (0, 90):
+        on_stem = np.abs(tree.points[:, [0, 2]]).max(axis=1) < 1e-6
+        half = np.where(on_stem, 0.02, 0.004).astype(np.float32)
+        graphs.append(AttractorGraph(tree.parent, to_plane(tree.points, yaw).astype(np.float32), half))
+    made = lift_graphs(graphs, (0, 90), volume())
+    stem = np.stack([np.zeros(200), np.linspace(0, 0.95, 200), np.zeros(200)], axis=1)
+    distance, node = cKDTree(made.points).query(stem)
+    assert distance.max() < 0.009, "half of what lies between two nodes, and a little"
+    aside = np.abs(made.points[node][:, [0, 2]]).max(axis=1)
+    assert aside.max() < 0.004
+    assert np.nanmin(made.radius[node]) > 0.015
 
 
 @settings(max_examples=15, deadline=None)
