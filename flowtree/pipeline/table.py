@@ -149,7 +149,7 @@ STAGES: tuple[Stage, ...] = (
         share=0.05,
     ),
     Stage(
-        name="limb field",
+        name="limb_field",
         run=steps.run_limb_field,
         inputs=("limbs", "volume", "cameras", "edits", "habit"),
         outputs=("limb_field",),
