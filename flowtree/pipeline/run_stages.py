@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple, Self
@@ -24,7 +24,8 @@ class Run:
 
     Attributes:
         values: every value by its name; those with one entry a view are tuples.
-        seconds: that each stage took; close to 0 for what came from the cache.
+        seconds: from each stage's begin to its end, in the table's order; close to 0 for what came from the
+            cache. Stages run side by side: together they may have more than the run took.
     """
 
     values: dict[str, Any]
@@ -49,109 +50,233 @@ def run_stages(
     cancel: Callable[[], bool] | None = None,
     until: str | None = None,
 ) -> Run:
-    """Runs the stages in order, each on what those before it made.
+    """Runs the stages, each as soon as what it reads is there, on as many threads as there are cores.
 
-    A result is looked up by the fingerprint of the stage, its parameters and its inputs' fingerprints, so one
-    changed stroke runs again only what hangs on it. The views of a stage that takes each alone run side by
-    side, on as many threads as there are cores.
+    Stages that do not hang on each other run side by side, and so do the views of one that takes each alone;
+    of those that could begin, the first of the table does, and on one core they run in the table's order. A
+    result is looked up by the fingerprint of the stage, its parameters and its inputs' fingerprints, so one
+    changed stroke runs again only what hangs on it.
 
     Args:
-        stages: the table.
+        stages: the table; each stage stands behind those whose values it reads.
         sources: values that no stage makes; one that a stage reads for each view is a tuple of one a view.
         job: parameters, seed and device.
         views: how many.
         cache: results of earlier runs; equal views of one run share theirs even without.
-        progress: called with the stage's name and the share of the whole work done, 0..1, when a stage or one
-            of its views begins, and with 1 at the end.
-        cancel: asked before every stage and view; true stops the run.
+        progress: called in the caller's thread, with a stage's name and the share of the whole work done,
+            0..1: when it or one of its views begins, when another ends beside it, and with 1 at the end.
+        cancel: asked in the caller's thread before every stage and view; true stops the run.
         until: the last stage to run; None runs all.
 
     Raises:
         CancelledError: ``cancel`` said so.
-        InputError: an input of a stage is at fault, or ``until`` names no stage.
+        InputError: an input of a stage is at fault, or ``until`` names no stage. Of several faults the one
+            that is raised is that which comes first on one core.
     """
     known = [stage.name for stage in stages]
     if until is not None:
         remedy = check.nearest_name(until, known)
         check.require(until in known, "until", "must be a stage", repr(until), remedy)
         stages = stages[: known.index(until) + 1]
-    kept = StageCache() if cache is None else cache
     per_view = {name for stage in stages if stage.each_view for name in (*stage.inputs, *stage.outputs)}
     board: dict[str, Any] = {
         name: tuple(_Value(v, digest(v)) for v in data) if name in per_view else _Value(data, digest(data))
         for name, data in sources.items()
     }
-    work, done = sum(stage.share for stage in stages), 0.0
-    seconds: dict[str, float] = {}
-    with load_kernels(stages, job.device) as kernels:
-        for stage in stages:
-            start = time.perf_counter()
-            for name in stage.kernels:
-                kernels[name].result()
-            turns: Sequence[int | None] = range(views) if stage.each_view else (None,)
-            inputs = [[_input(board[name], turn) for name in stage.inputs] for turn in turns]
-            results = []
-            with _Turns(stage, inputs, job, kept) as running:
-                for k in range(len(turns)):
-                    if cancel is not None and cancel():
-                        raise CancelledError(f"stopped before {stage.name}")
-                    if progress is not None:
-                        progress(stage.name, done / work)
-                    results.append(running.result(k))
-                    done += stage.share / len(turns)
-            for k, name in enumerate(stage.outputs):
-                board[name] = tuple(result[k] for result in results) if stage.each_view else results[0][k]
-                if stage.splits:  # by content: a view of which nothing changed is not computed again
-                    board[name] = tuple(_Value(data, digest(data)) for data in results[0][k].data)
-            seconds[stage.name] = time.perf_counter() - start
+    with load_kernels(stages, job.device) as kernels, _Workers(thread_count()) as workers:
+        table = _Table(stages, board, job, views, StageCache() if cache is None else cache, kernels)
+        while table.ready or workers.busy:
+            while table.ready and workers.free:
+                if cancel is not None and cancel():
+                    raise CancelledError(f"stopped before {table.ready[0].stage.name}")
+                turn = table.take()
+                if progress is not None:
+                    progress(turn.stage.name, table.done)
+                # What nothing can run beside stays in the caller's thread, where Ctrl-C stops it at once.
+                workers.start(turn, here=workers.count == 1 or not (table.ready or workers.busy))
+            for turn, made in workers.finished():
+                table.finish(turn, made)
+            if progress is not None and workers.busy:
+                progress(min(workers.busy, key=_order).stage.name, table.done)
+    if table.fault is not None:
+        raise table.fault
     if progress is not None:
         progress(stages[-1].name, 1.0)
+    seconds = {stage.name: table.seconds[stage.name] for stage in stages}
     return Run({name: _data(value) for name, value in board.items()}, seconds)
 
 
-def _input(value: Any, turn: int | None) -> Any:
-    """A stage's input in one of its turns: a value that all views share goes to every view."""
-    return value if turn is None or isinstance(value, _Value) else value[turn]
+@dataclass(frozen=True, eq=False)
+class _Turn:
+    """A stage's work on one view, or on all; equal views have it together.
+
+    Attributes:
+        stage: what is run.
+        order: of the stage in the table and of the turn in the stage.
+        key: fingerprint of all that the result hangs on.
+        work: makes the result.
+        share: of all the work.
+    """
+
+    stage: Stage
+    order: tuple[int, int]
+    key: str
+    work: Callable[[], tuple[Any, ...]]
+    share: float
 
 
-class _Turns:
-    """A stage's turns, one a view or one for all: from the cache, or computed, each fingerprint once."""
+class _Table:
+    """How far the stages are.
 
-    def __init__(self, stage: Stage, inputs: Sequence[Sequence[Any]], job: Job, cache: StageCache) -> None:
-        self._stage, self._cache = stage, cache
-        params = {name: getattr(job.params, name) for name in stage.params}
-        seed = job.seed if stage.seeded else None
-        self._keys = [
-            digest(stage.name, [_keys(v) for v in each], params, seed, job.device) for each in inputs
-        ]
-        self._made = {key: cache.get(key) for key in self._keys}
-        self._work = {
-            key: partial(stage.run, job, *(_data(v) for v in each))
-            for key, each in zip(self._keys, inputs, strict=True)
-            if self._made[key] is None
-        }
-        self._pool = ThreadPoolExecutor(min(len(self._work), thread_count())) if len(self._work) > 1 else None
+    Attributes:
+        ready: turns that can begin, in the table's order.
+        done: share of the whole work, 0..1.
+        seconds: of each stage that has ended.
+        fault: what the first turn of the table that failed raised; those behind it are not begun any more.
+    """
+
+    def __init__(
+        self,
+        stages: Sequence[Stage],
+        board: dict[str, Any],
+        job: Job,
+        views: int,
+        cache: StageCache,
+        kernels: Mapping[str, Future[None]],
+    ) -> None:
+        self._board, self._job, self._views, self._cache, self._kernels = board, job, views, cache, kernels
+        self._waiting = dict(enumerate(stages))
+        self._whole = sum(stage.share for stage in stages)
+        self._keys: dict[int, list[str]] = {}
+        self._made: dict[int, dict[str, tuple[Any, ...]]] = {}
+        self._start: dict[int, float] = {}
+        self._end = (len(stages), 0)
+        self.ready: list[_Turn] = []
+        self.done = 0.0
+        self.seconds: dict[str, float] = {}
+        self.fault: Exception | None = None
+        self._list_ready()
+
+    def take(self) -> _Turn:
+        """The first turn that can begin; the caller begins it."""
+        turn = self.ready.pop(0)
+        self._start.setdefault(turn.order[0], time.perf_counter())
+        return turn
+
+    def finish(self, turn: _Turn, made: tuple[Any, ...] | Exception) -> None:
+        """Notes what a turn made or how it failed, and lists what can begin now."""
+        if isinstance(made, Exception):
+            if turn.order < self._end:
+                self.fault, self._end = made, turn.order
+                self.ready = [other for other in self.ready if other.order < self._end]
+            return
+        number, keys = turn.order[0], self._keys[turn.order[0]]
+        self._cache.put(turn.key, made)
+        self._made[number][turn.key] = made
+        self.done = min(1.0, self.done + turn.share * keys.count(turn.key))
+        if len(self._made[number]) == len(set(keys)):
+            self._publish(turn.stage, [(key, self._made[number][key]) for key in keys])
+            self.seconds[turn.stage.name] = time.perf_counter() - self._start[number]
+            self._list_ready()
+
+    def _publish(self, stage: Stage, results: Sequence[tuple[str, tuple[Any, ...]]]) -> None:
+        for k, name in enumerate(stage.outputs):
+            if stage.splits:  # by content: a view of which nothing changed is not computed again
+                self._board[name] = tuple(_Value(data, digest(data)) for data in results[0][1][k])
+                continue
+            values = tuple(_Value(made[k], f"{key}/{name}") for key, made in results)
+            self._board[name] = values if stage.each_view else values[0]
+
+    def _list_ready(self) -> None:
+        for number, stage in list(self._waiting.items()):
+            if (number, 0) < self._end and all(name in self._board for name in stage.inputs):
+                del self._waiting[number]
+                self.ready += self._turns(number, stage)
+        self.ready.sort(key=_order)
+
+    def _turns(self, number: int, stage: Stage) -> list[_Turn]:
+        params = {name: getattr(self._job.params, name) for name in stage.params}
+        seed = self._job.seed if stage.seeded else None
+        self._keys[number], self._made[number] = [], {}
+        turns: dict[str, _Turn] = {}
+        views: Sequence[int | None] = range(self._views) if stage.each_view else (None,)
+        for k, view in enumerate(views):
+            inputs = [_input(self._board[name], view) for name in stage.inputs]
+            key = digest(stage.name, [_keys(value) for value in inputs], params, seed, self._job.device)
+            self._keys[number].append(key)
+            work = partial(self._run, stage, inputs, self._cache.get(key))
+            share = stage.share / self._whole / len(views)
+            turns.setdefault(key, _Turn(stage, (number, k), key, work, share))
+        return list(turns.values())
+
+    def _run(self, stage: Stage, inputs: Sequence[Any], kept: tuple[Any, ...] | None) -> tuple[Any, ...]:
+        if kept is not None:
+            return kept
+        for name in stage.kernels:
+            self._kernels[name].result()
+        made = stage.run(self._job, *(_data(value) for value in inputs))
+        return made if len(stage.outputs) > 1 else (made,)
+
+
+class _Workers:
+    """Threads that turns run in, and the caller's own.
+
+    Attributes:
+        count: turns that run at once, at most.
+    """
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+        self._pool = ThreadPoolExecutor(count, thread_name_prefix="flowtree-stages")
+        self._running: dict[Future[tuple[Any, ...]], _Turn] = {}
 
     def __enter__(self) -> Self:
-        self._jobs = {key: self._pool.submit(work) for key, work in self._work.items()} if self._pool else {}
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._pool is not None:
-            self._pool.shutdown(cancel_futures=True)
+        self._pool.shutdown(cancel_futures=True)
 
-    def result(self, turn: int) -> tuple[_Value, ...]:
-        """What the stage made of this turn's inputs; waits for it."""
-        key = self._keys[turn]
-        made = self._made[key]
-        if made is None:
-            made = self._jobs[key].result() if key in self._jobs else self._work[key]()
-            made = made if len(self._stage.outputs) > 1 else (made,)
-            self._made[key] = made
-            self._cache.put(key, made)
-        return tuple(
-            _Value(data, f"{key}/{name}") for name, data in zip(self._stage.outputs, made, strict=True)
-        )
+    @property
+    def free(self) -> bool:
+        """Whether one more can begin."""
+        return len(self._running) < self.count
+
+    @property
+    def busy(self) -> tuple[_Turn, ...]:
+        """The turns that are running, or have ended and were not asked for."""
+        return tuple(self._running.values())
+
+    def start(self, turn: _Turn, *, here: bool) -> None:
+        """Begins a turn; one that runs here has ended when this returns."""
+        if not here:
+            self._running[self._pool.submit(turn.work)] = turn
+            return
+        ended: Future[tuple[Any, ...]] = Future()
+        try:
+            ended.set_result(turn.work())
+        except Exception as error:  # a fault is weighed against those of turns elsewhere
+            ended.set_exception(error)
+        self._running[ended] = turn
+
+    def finished(self) -> list[tuple[_Turn, tuple[Any, ...] | Exception]]:
+        """Waits for at least one turn to end; those that did, with what they made or raised."""
+        ended, _ = wait(self._running, return_when=FIRST_COMPLETED)
+        found = []
+        for job in ended:
+            error = job.exception()
+            if error is not None and not isinstance(error, Exception):
+                raise error
+            found.append((self._running.pop(job), job.result() if error is None else error))
+        return sorted(found, key=lambda each: each[0].order)
+
+
+def _order(turn: _Turn) -> tuple[int, int]:
+    return turn.order
+
+
+def _input(value: Any, view: int | None) -> Any:
+    """A stage's input in one of its turns: a value that all views share goes to every view."""
+    return value if view is None or isinstance(value, _Value) else value[view]
 
 
 def _data(value: Any) -> Any:

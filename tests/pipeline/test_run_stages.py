@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -45,7 +47,7 @@ class Sums:
         return run_stages(self.stages, sources, job, views=len(numbers), **options).values
 
 
-def test_views_run_one_by_one_and_meet_in_a_tuple():
+def test_views_run_each_alone_and_meet_in_a_tuple():
     sums = Sums()
     made = sums.run()
     assert made["doubled"] == (2, 4)
@@ -95,7 +97,8 @@ def test_a_cache_of_any_size_changes_no_result(runs, capacity):
         assert len(cache) <= capacity
 
 
-def test_progress_rises_from_nothing_to_all():
+def test_progress_rises_from_nothing_to_all(monkeypatch):
+    monkeypatch.setenv("FLOWTREE_THREADS", "1")
     seen = []
     Sums().run(progress=lambda stage, share: seen.append((stage, share)))
     assert [stage for stage, _ in seen] == ["double", "double", "add", "draw", "draw"]
@@ -115,3 +118,99 @@ def test_a_run_can_end_early():
     assert "sum" not in sums.run(until="double")
     with pytest.raises(InputError, match=r"did you mean 'double'\?"):
         sums.run(until="doubel")
+
+
+def test_what_does_not_hang_on_each_other_runs_side_by_side(monkeypatch):
+    monkeypatch.setenv("FLOWTREE_THREADS", "2")
+    meeting, caller, threads = threading.Barrier(2, timeout=20.0), threading.get_ident(), []
+
+    def meet(job, number):
+        meeting.wait()  # for ever, if the other stage began only after this one
+        return number
+
+    stages = (
+        Stage("left", meet, ("number",), ("one",)),
+        Stage("right", meet, ("number",), ("other",)),
+        Stage("sum", lambda job, one, other: one + other, ("one", "other"), ("sum",)),
+    )
+    run = run_stages(
+        stages,
+        {"number": 4},
+        Job(Params(), 0, "cpu"),
+        views=1,
+        progress=lambda name, share: threads.append(threading.get_ident()),
+        cancel=lambda: threads.append(threading.get_ident()),
+    )
+    assert run.values["sum"] == 8
+    assert list(run.seconds) == ["left", "right", "sum"]
+    assert set(threads) == {caller}
+
+
+@pytest.mark.parametrize("threads", ["1", "2", "8"])
+def test_of_several_faults_that_of_the_first_stage_is_told(monkeypatch, threads):
+    monkeypatch.setenv("FLOWTREE_THREADS", threads)
+    later_failed, ran = threading.Event(), []
+
+    def slow(job, number):
+        if threads != "1":
+            assert later_failed.wait(20.0)
+        return number
+
+    def refuse(job, number):
+        raise InputError("the first of the table")
+
+    def refuse_at_once(job, number):
+        later_failed.set()
+        raise InputError("a later one")
+
+    stages = (
+        Stage("slow", slow, ("number",), ("slow",)),
+        Stage("refuse", refuse, ("slow",), ("refused",)),
+        Stage("at once", refuse_at_once, ("number",), ("gone",)),
+        Stage("after", lambda job, slow: ran.append(slow), ("slow",), ("after",)),
+    )
+    with pytest.raises(InputError, match="the first of the table"):
+        run_stages(stages, {"number": 4}, Job(Params(), 0, "cpu"), views=1)
+    assert not ran
+
+
+@st.composite
+def tables(draw):
+    """Stages that each read some values of those before them, single ones and those of views."""
+    stages, known = [], {"number": True, "unit": False}
+
+    def stage(name, each_view):
+        inputs = draw(st.lists(st.sampled_from(sorted(known)), min_size=1, max_size=3, unique=True))
+        stages.append(
+            Stage(
+                name, lambda job, *values: (name, *values), tuple(inputs), (f"v{name}",), each_view=each_view
+            )
+        )
+        known[f"v{name}"] = each_view
+
+    for k in range(draw(st.integers(1, 7))):
+        stage(str(k), draw(st.booleans()))
+    return tuple(stages)
+
+
+@settings(max_examples=25, deadline=None)
+@given(stages=tables(), numbers=st.tuples(st.integers(0, 1), st.integers(0, 1)))
+def test_any_number_of_threads_gives_the_same_values_and_rising_progress(stages, numbers):
+    made = []
+    for threads in ("1", "2", "5"):
+        seen = []
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("FLOWTREE_THREADS", threads)
+            run = run_stages(
+                stages,
+                {"number": numbers, "unit": ("m", "m")},
+                Job(Params(), 0, "cpu"),
+                views=2,
+                progress=lambda name, share, seen=seen: seen.append(share),
+            )
+        made.append(run.values)
+        assert seen == sorted(seen)
+        assert seen[0] == 0.0
+        assert seen[-1] == 1.0
+        assert list(run.seconds) == [stage.name for stage in stages]
+    assert made[0] == made[1] == made[2]
