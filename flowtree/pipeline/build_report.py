@@ -11,8 +11,6 @@ from typing import Any
 import numpy as np
 
 from flowtree import __version__
-from flowtree.geometry.closed_surfaces import is_watertight
-from flowtree.meshing.close_seams import close_seams
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 from flowtree.model.photo import Photo
@@ -40,6 +38,7 @@ def build_report(
     placements: Sequence[Placement],
     soft_ious: Sequence[float],
     tree: TreeModel,
+    watertight: bool,
     seconds: Mapping[str, float],
     seed: int,
     device: str,
@@ -54,6 +53,7 @@ def build_report(
         placements: one a view: what the cameras were made from.
         soft_ious: of the tree with each view's matte.
         tree: the result.
+        watertight: whether its wood's surface is closed.
         seconds: that each stage took.
         seed: of the run.
         device: that kernels ran on.
@@ -90,7 +90,7 @@ def build_report(
         "mesh": {
             "triangles": len(tree.wood.triangles),
             "vertices": len(tree.wood.positions),
-            "watertight": is_watertight(close_seams(tree.wood)[1]),
+            "watertight": watertight,
         },
         "leaves": leaves,
         "warnings": [*warnings, *_view_warnings(photos, mattes, cameras, placements, tree.height)],

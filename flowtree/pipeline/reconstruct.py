@@ -166,6 +166,7 @@ def reconstruct(
         placements=made["placements"],
         soft_ious=made["soft_ious"],
         tree=made["tree"],
+        watertight=made["watertight"],
         seconds=run.seconds,
         seed=seed,
         device=chosen,

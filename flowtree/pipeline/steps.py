@@ -29,9 +29,11 @@ from flowtree.branches.turn_twigs import turn_twigs
 from flowtree.density.solve_density import solve_density
 from flowtree.flow.trace_particles import trace_particles
 from flowtree.foliage.place_leaves import place_leaves
+from flowtree.geometry.closed_surfaces import is_watertight
 from flowtree.matting.extract_matte import extract_matte
 from flowtree.matting.judge_leafy import judge_leafy
 from flowtree.matting.paint_matte import paint_matte
+from flowtree.meshing.close_seams import close_seams
 from flowtree.meshing.load_bark import load_bark
 from flowtree.meshing.measure_bark import measure_bark
 from flowtree.meshing.paint_bark import paint_bark
@@ -390,16 +392,17 @@ def run_assembly(
     return TreeModel(name="tree", height=heights[0], skeleton=skeleton, wood=wood, bark=bark, foliage=foliage)
 
 
-def run_fidelity(
-    job: Job, tree: TreeModel, mattes: tuple[Matte, ...], cameras: tuple[Camera, ...]
-) -> tuple[float, ...]:
-    """Soft IoU of the tree with each view's matte (see `soft_iou`), from a picture just fine enough."""
-    scores = []
-    for matte, camera in zip(mattes, cameras, strict=True):
-        small = _smaller(camera)
-        mask = render_mask(tree, small, device=job.device)
-        scores.append(soft_iou(mask, small, matte.alpha, camera, height=tree.height))
-    return tuple(scores)
+def run_closing(job: Job, wood: TreeMesh) -> bool:
+    """Whether the wood's surface is closed."""
+    del job
+    return is_watertight(close_seams(wood)[1])
+
+
+def run_fidelity(job: Job, tree: TreeModel, matte: Matte, camera: Camera) -> float:
+    """Soft IoU of the tree with one view's matte (see `soft_iou`), from a picture just fine enough."""
+    small = _smaller(camera)
+    mask = render_mask(tree, small, device=job.device)
+    return soft_iou(mask, small, matte.alpha, camera, height=tree.height)
 
 
 def _smaller(camera: Camera) -> Camera:

@@ -218,10 +218,18 @@ STAGES: tuple[Stage, ...] = (
         share=0.01,
     ),
     Stage(
+        name="closing",
+        run=steps.run_closing,
+        inputs=("wood",),
+        outputs=("watertight",),
+        share=0.05,
+    ),
+    Stage(
         name="fidelity",
         run=steps.run_fidelity,
         inputs=("tree", "mattes", "cameras"),
         outputs=("soft_ious",),
+        each_view=True,
         kernels=("cast_rays",),
         share=0.5,
     ),
