@@ -150,10 +150,9 @@ class _Loop:
         self._change(chosen, part, -1.0)
 
     def _change(self, chosen: NDArray[np.int64], part: slice | None, sign: float) -> None:
-        rows = self._rows(slice(0, self.count) if part is None else part)
         present = self._present(chosen) * np.float32(sign)
         for view in self._views:
-            view.depth += _cut(view.depths, rows).T @ present
+            view.depth += view.cut(self._rows(part)).deepen @ present
 
     def gains(self, part: slice) -> tuple[NDArray[np.float32], list[_Seen]]:
         """By how much each pose (n, poses) of a batch would lower the squared error; and what is seen."""
@@ -163,7 +162,7 @@ class _Loop:
         for view in self._views:
             clear = view.clear()
             wrong = view.error(clear)
-            shown, useful = (_cut(view.cover, rows) @ _pair(clear, view.canvas.spread(wrong))).T
+            shown, useful = (view.cut(rows).cover @ _pair(clear, view.canvas.spread(wrong))).T
             gain += 2 * useful - view.focus[rows] * shown**2 / np.float32(FINE**2)
             seen.append(_Seen(clear, wrong, shown))
         return gain.reshape(-1, self._poses), seen
@@ -174,14 +173,15 @@ class _Loop:
         present = self._present(chosen)
         total = np.zeros(len(chosen), np.float32)
         for view, now in zip(self._views, seen, strict=True):
-            cover = _cut(view.cover, rows)
-            wished = view.canvas.cell_means(np.asarray(cover.T @ present, np.float32) * now.clear)
+            cut = view.cut(rows)
+            wished = view.canvas.cell_means(np.asarray(cut.stand @ present, np.float32) * now.clear)
             share = np.asarray(np.clip(now.wrong / np.maximum(wished, 1e-9), 0.0, 1.0), np.float32)
-            fits = cover @ (now.clear * view.canvas.spread(share))
+            fits = cut.cover @ (now.clear * view.canvas.spread(share))
             total += np.divide(fits, now.shown, out=np.zeros_like(total), where=now.shown > 0)
         return np.asarray(total / len(self._views), np.float32)
 
-    def _rows(self, part: slice) -> slice:
+    def _rows(self, part: slice | None) -> slice:
+        part = slice(0, self.count) if part is None else part
         return slice(part.start * self._poses, part.stop * self._poses)
 
     def _present(self, chosen: NDArray[np.int64]) -> NDArray[np.float32]:
@@ -214,6 +214,16 @@ class _View:
         cells.data **= 2
         self.focus = np.asarray(cells.sum(axis=1)).ravel() / np.maximum(total, np.float32(1e-9)) ** 2
         self.depth = canvas.depth.copy()
+        self._cuts: dict[tuple[int, int], _Cut] = {}
+
+    def cut(self, rows: slice) -> _Cut:
+        """Some successive rows; each batch comes up again in every sweep."""
+        known = self._cuts.get((rows.start, rows.stop))
+        if known is None:
+            cover = _cut(self.cover, rows)
+            known = _Cut(cover, cover.T, _cut(self.depths, rows).T)
+            self._cuts[rows.start, rows.stop] = known
+        return known
 
     def clear(self) -> NDArray[np.float32]:
         """Transparency (pixels + 1,); 0 beside the canvas, where nothing can be gained."""
@@ -226,6 +236,19 @@ class _View:
         return np.asarray(
             (self.canvas.wanted - 1.0 + self.canvas.cell_means(clear)) * self.canvas.known, np.float32
         )
+
+
+class _Cut(NamedTuple):
+    """A batch's rows of a view as the products take them: making a sparse matrix costs as much as a product.
+
+    cover: (rows, pixels + 1).
+    stand: (pixels + 1, rows), the same.
+    deepen: (pixels + 1, rows) as optical depths.
+    """
+
+    cover: sparse.csr_array
+    stand: sparse.csc_array
+    deepen: sparse.csc_array
 
 
 class _Seen(NamedTuple):
