@@ -122,3 +122,18 @@ def test_a_wrong_setting_is_named(monkeypatch, text):
 def test_an_unknown_device_is_refused():
     with pytest.raises(InputError, match="device: must be one of cpu"):
         device.pick_device("tpu")
+
+
+@pytest.mark.parametrize("threads", ["1", "3"])
+def test_side_by_side_gives_what_map_gives_in_its_order(monkeypatch, threads):
+    monkeypatch.setenv("FLOWTREE_THREADS", threads)
+    assert device.side_by_side(pow, (2, 3, 4, 5, 6), (5, 4, 3, 2, 1)) == [32, 81, 64, 25, 6]
+    assert device.side_by_side(pow, (), ()) == []
+    with pytest.raises(ZeroDivisionError):
+        device.side_by_side(pow, (1, 0, 2), (2, -1, 3))
+
+
+def test_side_by_side_runs_at_once(monkeypatch):
+    monkeypatch.setenv("FLOWTREE_THREADS", "2")
+    meeting = threading.Barrier(2, timeout=20.0)
+    assert sorted(device.side_by_side(lambda _: meeting.wait(), (0, 0))) == [0, 1]

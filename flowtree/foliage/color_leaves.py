@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from flowtree.device import side_by_side
 from flowtree.foliage.bark_likeness import bark_likeness
 from flowtree.geometry.projection import project, view_axes
 from flowtree.geometry.srgb import LIGHT_OF_BYTE
@@ -43,20 +44,29 @@ def color_leaves(
 
     Returns: (n, 3) float32 in 0..1, linear, to be multiplied with a texture of mean brightness 0.8.
     """
-    colors = np.empty((len(mattes), len(points), 3))
-    nearness = np.empty((len(mattes), len(points)))
-    for k, (matte, camera) in enumerate(zip(mattes, cameras, strict=True)):
-        weight = matte.alpha**_SOLID * (1.02 - bark_likeness(matte, camera)) * _usual_hue(matte) + 1e-5
-        pixel = np.floor(project(points, camera)).astype(int)
-        column = np.clip(pixel[:, 0], 0, matte.alpha.shape[1] - 1)
-        row = np.clip(pixel[:, 1], 0, matte.alpha.shape[0] - 1)
-        light = np.asarray(cv2.LUT(matte.foreground, LIGHT_OF_BYTE.astype(np.float32)), np.float32)
-        colors[k] = _local_mean(light, np.asarray(weight, np.float32), row, column)
-        # A pixel that hardly holds tree has no colour to give, however near the leaf is to the camera.
-        nearness[k] = points @ view_axes(camera.yaw)[2] - 1e3 * (matte.alpha[row, column] < 0.1)
-    color = colors[np.argmax(nearness, axis=0), np.arange(len(points))]
+
+    def of_view(matte: Matte, camera: Camera) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+        return _seen_colors(points, matte, camera)
+
+    colors, nearness = zip(*side_by_side(of_view, mattes, cameras), strict=True)
+    color = np.stack(colors)[np.argmax(nearness, axis=0), np.arange(len(points))].astype(np.float64)
     bright = np.random.default_rng(seed).normal(1.0, variation, (len(points), 1))
     return np.asarray(np.clip(color / _TEXTURE * np.clip(bright, 0.4, 1.8), 0.0, 1.0), np.float32)
+
+
+def _seen_colors(
+    points: NDArray[np.float64], matte: Matte, camera: Camera
+) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """The tree's colours (n, 3), linear, where points project in a view, and how near it they are (n,)."""
+    weight = matte.alpha**_SOLID * (1.02 - bark_likeness(matte, camera)) * _usual_hue(matte) + 1e-5
+    pixel = np.floor(project(points, camera)).astype(int)
+    column = np.clip(pixel[:, 0], 0, matte.alpha.shape[1] - 1)
+    row = np.clip(pixel[:, 1], 0, matte.alpha.shape[0] - 1)
+    light = np.asarray(cv2.LUT(matte.foreground, LIGHT_OF_BYTE.astype(np.float32)), np.float32)
+    color = _local_mean(light, np.asarray(weight, np.float32), row, column)
+    # A pixel that hardly holds tree has no colour to give, however near the leaf is to the camera.
+    hidden = matte.alpha[row, column] < 0.1
+    return color, np.asarray(points @ view_axes(camera.yaw)[2] - 1e3 * hidden, np.float64)
 
 
 def _usual_hue(matte: Matte) -> NDArray[np.float32]:

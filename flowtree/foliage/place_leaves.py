@@ -10,6 +10,7 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from flowtree.device import side_by_side
 from flowtree.foliage.bark_likeness import visible_limbs
 from flowtree.foliage.choose_leaf import choose_leaf
 from flowtree.foliage.color_leaves import color_leaves
@@ -79,7 +80,11 @@ def place_leaves(
     shape = choose_leaf(mattes, cameras) if params.shape == "auto" else params.shape
     leaf, material = make_leaf(shape, color=(0.8, 0.8, 0.8), seed=seed, picture=params.picture)
     coverage = leaf_coverage(leaf, material)
-    canvases = [_stand(m, c, skeleton, height, params) for m, c in zip(mattes, cameras, strict=True)]
+
+    def stand(matte: Matte, camera: Camera) -> CoverCanvas:
+        return _stand(matte, camera, skeleton, height, params)
+
+    canvases = side_by_side(stand, mattes, cameras)
     area = float(np.mean([_missing_area(canvas) for canvas in canvases])) / _FACING
     if area < coverage * (0.25 * params.size * height) ** 2:
         return None
@@ -95,9 +100,13 @@ def place_leaves(
     width = float(np.ptp(leaf.positions[:, 0]))
     likely = _density_shares(places, volume, wanted)
     chance = place_chance(places.code, seed, places.number + _CHANCE)
+
+    def covers(canvas: CoverCanvas) -> sparse.csr_array:
+        return _covers(canvas, places, coverage, width)
+
     chosen = choose_cover(
         canvases,
-        [_covers(canvas, places, coverage, width) for canvas in canvases],
+        side_by_side(covers, canvases),
         batch=(_BATCHES * place_chance(places.code, seed, places.number + _BATCH)).astype(np.int64),
         chance=chance,
         start=chance < likely,
