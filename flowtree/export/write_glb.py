@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree import __version__, check
+from flowtree.device import side_by_side
 from flowtree.export.check_tree import check_tree
 from flowtree.export.encode_texture import encode_texture
 from flowtree.export.merge_leaves import merge_leaves
@@ -53,19 +55,28 @@ def encode_glb(tree: TreeModel) -> bytes:
     name = tree.name.encode("utf-8", "replace").decode() or "Tree"
     foliage = tree.foliage if tree.foliage is not None and len(tree.foliage.position) else None
     extras = {"height": float(tree.height), "leaves": 0 if foliage is None else len(foliage.position)}
+    leafy = foliage is not None and len(foliage.leaf.triangles) > 0
+    materials = [tree.bark] if len(tree.wood.triangles) else []
+    if foliage is not None and leafy:
+        materials.append(foliage.material)
     children: list[int] = []
-    file = _Glb({"name": name, "children": children, "extras": extras})
+    file = _Glb({"name": name, "children": children, "extras": extras}, materials)
     if len(tree.wood.triangles):
         children.append(file.add_part(f"{name}_wood", tree.wood, tree.bark))
-    if foliage is not None and len(foliage.leaf.triangles):
+    if foliage is not None and leafy:
         children.append(file.add_part(f"{name}_leaves", merge_leaves(foliage), foliage.material))
     return file.finish()
 
 
 class _Glb:
-    """A glTF document and its binary buffer while they grow; the root node is the first."""
+    """A glTF document and its binary buffer while they grow; the root node is the first.
 
-    def __init__(self, root: dict[str, Any]) -> None:
+    The pictures of all materials, in the order in which they are added, are packed at the beginning, side by
+    side: that takes half of the time.
+    """
+
+    def __init__(self, root: dict[str, Any], materials: Sequence[Material]) -> None:
+        self._pictures = iter(side_by_side(_pack, [each for some in materials for each in _pictures(some)]))
         self._lists: dict[str, list[dict[str, Any]]] = {"nodes": [root]}
         self._chunks: list[bytes] = []
         self._length = 0
@@ -166,16 +177,15 @@ class _Glb:
         masked = material.alpha_cutoff is not None
         # A cut-out picture is used once, edge to edge: repeating it would let the far edge shine through.
         wrap = _CLAMP if masked else _REPEAT
-        pixels = material.base_color if masked else material.base_color[:, :, :3]
         surface = {
-            "baseColorTexture": {"index": self._texture(pixels, material.name, wrap, lossy=not masked)},
+            "baseColorTexture": {"index": self._texture(material.name, wrap)},
             "baseColorFactor": [*factor.tolist(), 1.0],
             "metallicFactor": 0.0,
             "roughnessFactor": float(material.roughness),
         }
         entry: dict[str, Any] = {"name": material.name, "pbrMetallicRoughness": surface}
         if material.normal is not None:
-            index = self._texture(material.normal, f"{material.name}_normal", wrap, lossy=False)
+            index = self._texture(f"{material.name}_normal", wrap)
             entry["normalTexture"] = {"index": index}
         if masked:
             entry |= {"alphaMode": "MASK", "alphaCutoff": material.alpha_cutoff}
@@ -183,14 +193,26 @@ class _Glb:
             entry["doubleSided"] = True
         return self._add("materials", entry)
 
-    def _texture(self, pixels: NDArray[np.uint8], name: str, wrap: int, *, lossy: bool) -> int:
-        data, media = encode_texture(pixels, lossy=lossy)
+    def _texture(self, name: str, wrap: int) -> int:
+        data, media = next(self._pictures)
         image = self._add("images", {"name": name, "mimeType": media, "bufferView": self._view(data)})
         sampler = {"magFilter": _LINEAR, "minFilter": _LINEAR_MIPMAP_LINEAR, "wrapS": wrap, "wrapT": wrap}
         samplers = self._lists.setdefault("samplers", [])
         if sampler not in samplers:
             samplers.append(sampler)
         return self._add("textures", {"sampler": samplers.index(sampler), "source": image})
+
+
+def _pictures(material: Material) -> list[tuple[NDArray[np.uint8], bool]]:
+    """A material's pictures, and of each whether it may lose detail: the colours, then the normals."""
+    masked = material.alpha_cutoff is not None
+    colors = (material.base_color if masked else material.base_color[:, :, :3], not masked)
+    return [colors] if material.normal is None else [colors, (material.normal, False)]
+
+
+def _pack(picture: tuple[NDArray[np.uint8], bool]) -> tuple[bytes, str]:
+    pixels, lossy = picture
+    return encode_texture(pixels, lossy=lossy)
 
 
 def _unit(normals: NDArray[np.float32]) -> NDArray[np.float32]:
