@@ -15,6 +15,7 @@ from flowtree.model.photo import Photo
 _MARGIN = 0.04  # of the tree's height, around it: room for a path that leaves the matte for a moment
 _SOLID = 0.1  # alpha from which a pixel counts for the tree's box
 _MOST_CELLS = 130_000  # of a very wide tree: keeps one Dijkstra under 30 ms
+_FAINT = 1e-3  # what a pixel's colour weighs that is no tree
 _MOST_ENLARGED = 4.0  # times; a path on a tree of few pixels would otherwise be all steps
 
 
@@ -24,7 +25,7 @@ class WorkingGrid:
 
     Attributes:
         alpha: (h, w) float32 in 0..1.
-        lab: (h, w, 3) float32, CIE Lab of the tree's colour.
+        lab: (h, w, 3) float32, CIE Lab of the tree's colour, without what is beside a limb at its edges.
         scale: cells per working pixel.
         corner: (x, y) [working pixels] of the grid's upper left corner.
         tall: the tree's height [cells], the unit of every length on the grid.
@@ -87,8 +88,10 @@ def cut_working_grid(photo: Photo, matte: Matte, marks: ArrayLike, height: int) 
     method = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_LINEAR
     box = np.s_[top:bottom, left:right]
     small = cv2.resize(alpha[box], size, interpolation=method)
-    color = cv2.resize(np.ascontiguousarray(photo.rgb[box]), size, interpolation=method)
-    lab = cv2.cvtColor(color.astype(np.float32) / 255.0, cv2.COLOR_RGB2LAB)
+    weight = np.maximum(alpha[box].astype(np.float32), _FAINT)
+    color = cv2.resize(photo.rgb[box] * weight[..., None], size, interpolation=method)
+    color = color / (255.0 * cv2.resize(weight, size, interpolation=method)[..., None])
+    lab = cv2.cvtColor(np.clip(color, 0.0, 1.0).astype(np.float32), cv2.COLOR_RGB2LAB)
     return WorkingGrid(
         np.clip(small, 0.0, 1.0).astype(np.float32), lab.astype(np.float32), scale, (left, top), tall * scale
     )

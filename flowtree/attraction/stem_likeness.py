@@ -22,8 +22,12 @@ def stem_likeness(grid: WorkingGrid, crown: CrownOutline) -> _Map:
         return np.full(grid.alpha.shape, 0.5)
     near, far = _color_distance(grid.lab, stem), _color_distance(grid.lab, leaves)
     likeness = 1.0 / (1.0 + np.exp(np.clip(near - far, -20.0, 20.0)))
-    # One cell's colour is noise: only what its neighbours confirm counts.
-    return np.asarray(ndimage.gaussian_filter(likeness, 0.004 * grid.tall), np.float64)
+    # One cell's colour is noise: only what its neighbours confirm counts. What is beside the tree does not:
+    # else no limb thinner than the blur would have the stem's colour.
+    weight = grid.alpha.astype(np.float64) + 1e-3
+    sigma = 0.004 * grid.tall
+    blurred = ndimage.gaussian_filter(likeness * weight, sigma) / ndimage.gaussian_filter(weight, sigma)
+    return np.asarray(blurred, np.float64)
 
 
 def _color_distance(lab: NDArray[np.float32], sample: NDArray[np.bool_]) -> _Map:

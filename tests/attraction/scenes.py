@@ -55,6 +55,32 @@ def bare(height=240, width=200):
     return alpha / np.float32(255)
 
 
+#: Limbs of a stem at column 200, a few pixels thick, that leave it nearly level.
+LEVEL = (
+    ((200, 330), (70, 320)),
+    ((200, 300), (330, 285)),
+    ((200, 240), (80, 225)),
+    ((200, 205), (310, 190)),
+    ((200, 150), (110, 130)),
+    ((200, 120), (280, 95)),
+)
+
+
+def level_limbs(leaves=False):
+    """A grey bare tree of 512 pixels with level limbs, or thinner ones, of which the upper are green."""
+    fine = np.zeros((512 * 4, 400 * 4), np.uint8)
+    cv2.line(fine, (800, 2000), (800, 200), 255, 40)
+    for start, end in LEVEL:
+        cv2.line(fine, [4 * k for k in start], [4 * k for k in end], 255, 12 if leaves else 20)
+    alpha = cv2.resize(fine, (400, 512), interpolation=cv2.INTER_AREA).astype(np.float32) / 255
+    rgb = np.full((512, 400, 3), (150, 140, 130), np.uint8)
+    if leaves:
+        rgb[:220] = 60, 150, 50
+    seen = np.where(alpha[..., None] > 0, rgb, np.uint8(250))  # what is beside a limb is mixed in at its edge
+    photo = np.rint(alpha[..., None] * seen + (1 - alpha[..., None]) * 250).astype(np.uint8)
+    return Photo("level", photo), Matte(alpha, rgb, "automatic"), Camera(0.0, 0.02, (200.0, 500.0), 400, 512)
+
+
 def assert_tree(graph):
     """What every attractor graph must be: rooted at the foot, finite, each parent before its child."""
     count = len(graph.parent)

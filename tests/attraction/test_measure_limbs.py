@@ -57,7 +57,7 @@ def test_a_leafy_tree_is_measured_only_where_the_stems_colour_shows():
     _, matte, camera = bare_tree()
     rgb = np.where(np.arange(512)[:, None, None] > 340, [110, 70, 40], [60, 150, 50]).astype(np.uint8)
     rgb = np.broadcast_to(rgb, (512, 400, 3)).copy()
-    rgb[(matte.alpha > 0.1) & (np.hypot(*np.mgrid[-150:362, -330:70]) < 150)] = 110, 70, 40  # a limb's end
+    rgb[(matte.alpha > 0.1) & (np.hypot(*np.mgrid[-150:362, -330:70]) < 110)] = 110, 70, 40  # a limb's end
     leafy = Photo("leafy", rgb)
     graph = trace_attractor_graph(leafy, Matte(matte.alpha, rgb, "automatic"), camera)
     pixels = plane_to_pixels(graph.points, camera)
