@@ -1,4 +1,4 @@
-"""Paths along all visible limbs of a bare tree."""
+"""Paths along all visible limbs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from skimage.graph import MCP_Geometric
 from flowtree.attraction.growing_tree import GrowingTree
 
 _MIDDLE = 0.75  # how near the middle of its limb a path begins
-_THINNEST = 0.0035  # of the height: half width of the thinnest limb followed
 _BESIDE = 0.012  # of the height: what is as near as this to a path is followed
 _SHORTEST = 0.03  # of the height: a shorter path is a bump of its carrier
 _SHOWN = 0.7  # share of a path along which a limb must show
@@ -22,8 +21,8 @@ _Map = NDArray[np.float64]
 def cover_limbs(
     tree: GrowingTree,
     cost: _Map,
-    middle: _Map,
-    half: _Map,
+    ends: _Map,
+    limb: NDArray[np.bool_],
     *,
     target: tuple[int, int],
     tall: float,
@@ -37,26 +36,26 @@ def cover_limbs(
     Args:
         tree: gets the paths.
         cost: (h, w) per cell, low along limbs.
-        middle: (h, w) as `measure_limbs` gives it.
-        half: (h, w) [tree heights], likewise.
+        ends: (h, w) how near the middle of a limb that is to be followed a cell is: 0 beside them, 1 in it.
+        limb: (h, w) cells of all limbs, also of those that are too thin for a path of their own.
         target: (row, column) to which the paths lead.
         tall: the tree's height [cells].
     """
-    limb = cv2.dilate((middle > 0.0).astype(np.uint8), np.ones((3, 3), np.uint8))
+    near = cv2.dilate(limb.astype(np.uint8), np.ones((3, 3), np.uint8))
     search = MCP_Geometric(cost)
     way, _ = search.find_costs([target])
-    ends = np.argwhere((middle > _MIDDLE) & (half > _THINNEST) & np.isfinite(way))
+    places = np.argwhere((ends > _MIDDLE) & np.isfinite(way))
     followed = (tree.node_at >= 0).astype(np.uint8)
     reach = max(1, round(_BESIDE * tall))
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
     followed = np.asarray(cv2.dilate(followed, disc), np.uint8)
     count = 0
-    for row, column in ends[np.argsort(-way[tuple(ends.T)], kind="stable")].tolist():
+    for row, column in places[np.argsort(-way[tuple(places.T)], kind="stable")].tolist():
         if followed[row, column] or count == _MOST:
             continue
         path = search.traceback((row, column))
         new = next((k for k, cell in enumerate(path[::-1]) if tree.node_at[cell] >= 0), len(path))
-        if new < _SHORTEST * tall or np.mean([limb[cell] for cell in path[-new:]]) < _SHOWN:
+        if new < _SHORTEST * tall or np.mean([near[cell] for cell in path[-new:]]) < _SHOWN:
             continue
         tree.add_path(path)
         count += 1

@@ -18,6 +18,7 @@ _WIDEST = 58.0  # [degrees] at a fork; wider ones are bent
 _BENT_TO = 45.0  # [degrees]
 _KINK = 0.025  # of the height: a fork's angle is also taken this near to it
 _BEND = 0.09  # of the height: how far from a fork a branch is bent
+_SEEN = 0.7  # share of that way, from where it leaves its carrier, on which a limb must show to stay
 
 _Array = NDArray[np.float64]
 
@@ -28,17 +29,20 @@ class _Branch:
     carrier: int  # its number, -1 for the trunk
 
 
-def shape_branches(tree: GrowingTree, tall: float, lowest: int = 0) -> tuple[NDArray[np.int32], _Array]:
+def shape_branches(
+    tree: GrowingTree, tall: float, lowest: int = 0, shown: NDArray[np.bool_] | None = None
+) -> tuple[NDArray[np.int32], _Array]:
     """Smooths and resamples a tree of grid paths; drawn nodes, tips and the root stay.
 
     Each branch runs on through its forks into its heaviest child, so a fork makes no kink in it. Side
     branches that leave at more than about sixty degrees start lower on their carrier and curve outwards, as
-    real ones do.
+    most real ones do; but for those that the picture shows to leave as they do.
 
     Args:
         tree: what the paths left.
         tall: the tree's height [cells].
         lowest: no fork moves below this node.
+        shown: (h, w) cells of limbs that stand free in the matte; None for none.
 
     Returns:
         parent: (n,) int32, ``parent[i] < i``.
@@ -47,11 +51,14 @@ def shape_branches(tree: GrowingTree, tall: float, lowest: int = 0) -> tuple[NDA
     position = np.array(tree.points)
     parent = np.array(tree.parent, np.int64)
     drawn = np.array(tree.drawn)
+    free = np.zeros(len(parent), np.bool_)
+    if shown is not None:
+        free = np.array([bool(shown[tree.cell_of(point)]) for point in tree.points])
     branches = _split(parent, position)
     on_carrier: dict[int, tuple[int, int]] = {}
     for number, branch in enumerate(branches):
         _smooth_runs(branch.nodes, position, drawn, _SMOOTH * tall)
-        if branch.carrier >= 0:
+        if branch.carrier >= 0 and not _leaves_in_sight(branch.nodes, free, position, tall):
             _relax_fork(branch, branches[branch.carrier], position, drawn, tall, lowest)
         for place, node in enumerate(branch.nodes[1:], 1):
             on_carrier[node] = (number, place)
@@ -90,6 +97,14 @@ def _smooth_runs(nodes: list[int], position: _Array, drawn: NDArray[np.bool_], s
         if end - start > 1:
             run = nodes[start : end + 1]
             position[run] = smooth_polyline(position[run], sigma)
+
+
+def _leaves_in_sight(nodes: list[int], free: NDArray[np.bool_], position: _Array, tall: float) -> bool:
+    """Whether the picture shows how a branch leaves its carrier, behind whose edge it comes in sight."""
+    along = arc_lengths(position[nodes])
+    begin = free[[node for node, way in zip(nodes, along, strict=True) if way <= _BEND * tall]]
+    behind = int(begin.argmax())
+    return bool(begin.any()) and 2 * behind <= len(begin) and float(begin[behind:].mean()) >= _SEEN
 
 
 def _relax_fork(

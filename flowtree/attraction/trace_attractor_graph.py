@@ -32,8 +32,12 @@ from flowtree.params import AttractionParams
 
 _CROWDED = 0.03  # of the height: an automatic seed this near to a drawn branch would only double it
 _STUB = 0.055  # of the height: shorter automatic branches are noise of the outline
-_WOOD = 0.6  # likeness to the stem's colour from which a thin part of a leafy tree is a limb
+_WOOD = 0.8  # likeness to the stem's colour from which a thin part of a leafy tree is a limb
 _THIN = 0.02  # of the height: half width up to which it is thin
+_LIMB = 0.0035  # of the height: half width of the thinnest limb followed
+_LONE = 0.002  # of the height: the same of a limb with nothing around it, with its leaves
+_AROUND = 0.03  # of the height: sigma of what counts as around it
+_OPEN = 0.35  # mean alpha around, up to which it stands alone
 _UPRIGHT_MERGING = 0.4  # times the merging: limbs of an upright crown stay apart
 _GROUND = 0.06  # of the height: no limb ends lower
 _BARRED = 10.0  # times dearer: beside the stem below a given first fork
@@ -72,7 +76,7 @@ def trace_attractor_graph(
         target: (x, y) [working pixels] of the stem's first fork, to which all paths lead; the stem from the
             foot passes exactly through it. None is the foot.
         leafy: whether the tree bears leaves. Limbs that show are all traced, those of a bare tree by the
-            matte alone, of a leafy one where they are thin and have the stem's colour.
+            matte alone, of a leafy one where they are thin and have the stem's colour or nothing around them.
         habit: a conifer has one straight leader, a palm one shoot; an upright crown's limbs part low; a
             weeping crown's climb before they hang.
         params: see `AttractionParams`.
@@ -115,6 +119,7 @@ def trace_attractor_graph(
     widths = measure_limbs(matte, grid.tall / grid.scale)
     middle, half = widths.on_grid(grid)
     # Of a leafy tree only what has the stem's colour and is thin is sure to be no leaves.
+    thin = (half > 0.0) & (half < _THIN)
     shown = (wood > _WOOD) & (half < _THIN) if leafy else np.ones(wood.shape, np.bool_)
     cost = weigh_structures(grid, crown, rng, wood, None if leafy else (middle, half))
     cost *= weigh_habit(grid, crown, habit, foot[0]) if leafy else 1.0
@@ -127,8 +132,12 @@ def trace_attractor_graph(
     if automatic > 0:
         # What begins at the ground is grass or roots.
         above = np.arange(grid.alpha.shape[0])[:, None] < root[0] - _GROUND * grid.tall
-        ends = np.where(shown & above, middle, 0.0)
-        cover_limbs(tree, cost, ends, half, target=goal, tall=grid.tall)
+        limb = shown & above & (middle > 0.0)
+        thick = half > _LIMB
+        if leafy:  # among leaves only what has the stem's colour is a limb, but before the sky every strand
+            lone = thin & above & (ndimage.gaussian_filter(grid.alpha, _AROUND * grid.tall) < _OPEN)
+            limb, thick = limb | lone, np.where(lone, half > _LONE, thick)
+        cover_limbs(tree, cost, np.where(limb & thick, middle, 0.0), limb, target=goal, tall=grid.tall)
     found = choose_seeds(
         grid, crown, count=automatic, mode=params.seed_mode, rng=rng, hanging=habit == "weeping"
     )
@@ -148,7 +157,9 @@ def trace_attractor_graph(
         )
     if len(tree.parent) == 1:  # a tree of so few pixels that no path is long enough: a stem without branches
         tree.add(0, foot - [0.0, grid.tall], drawn=False)
-    parent, points = shape_branches(tree, grid.tall, lowest=int(tree.node_at[goal]))
+    # A path may run a cell beside the limb that it follows.
+    beside = ndimage.binary_dilation(thin, np.ones((3, 3), np.bool_))
+    parent, points = shape_branches(tree, grid.tall, lowest=int(tree.node_at[goal]), shown=beside)
     pixels = grid.to_pixels(points)
     plane = pixels_to_plane(pixels, camera).astype(np.float32)
     plane[0] = 0.0  # exactly: rounding is no part of the foot
