@@ -9,6 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 _REACHES = (0.09, 0.006)  # windows of the two passes, of the larger side
+_LESS = 1e-3  # what a window counts to the next narrower one
+_FINE = 12  # pixels along a window that are enough for a mean over it
+_LEAST = 8  # pixels along the side of the smallest picture that means are taken from
 
 
 def estimate_foreground(rgb: NDArray[np.uint8], alpha: NDArray[np.float32]) -> NDArray[np.uint8]:
@@ -56,16 +59,35 @@ def _spread(colour: NDArray[Any], weight: NDArray[Any], reach: float) -> NDArray
         reach: of the first window, of the larger side.
     """
     size = max(colour.shape[:2])
-    window = 2 * max(1, round(reach * size)) + 1
+    windows = [2 * max(1, round(reach * size)) + 1]
+    while windows[-1] <= size // 2:
+        windows.append(4 * windows[-1] + 1)
     sums = colour * weight
     sums[..., 3] = weight[..., 3]
-    total: NDArray[Any] = cv2.blur(sums, (window, window), borderType=cv2.BORDER_REFLECT)
-    share, wide = np.float32(1.0), np.empty_like(sums)
-    while window <= size // 2:
-        window, share = 4 * window + 1, share * np.float32(1e-3)
-        cv2.blur(sums, (window, window), wide, borderType=cv2.BORDER_REFLECT)
-        wide *= share
-        total += wide
-    mass = cv2.merge([cv2.extractChannel(total, 3)] * 4, wide)
+    total = _means(sums, [(window, _LESS**k) for k, window in enumerate(windows)])
+    mass = cv2.merge([cv2.extractChannel(total, 3)] * 4)
     total /= np.maximum(mass, np.float32(1e-12), out=mass)
     return total
+
+
+def _means(sums: NDArray[Any], windows: list[tuple[int, float]]) -> NDArray[Any]:
+    """Sum of the means in ever wider windows, each times its share.
+
+    From the second on, and where the first is wide already from that, they are taken from a smaller picture:
+    it holds all that a mean over so many pixels shows.
+    """
+    height, width = sums.shape[:2]
+    own = 1 if windows[0][0] < 2 * _FINE else 0
+    total = _mean(sums, *windows[0]) if own else None
+    if not windows[own:]:
+        return np.asarray(total)
+    factor = max(1, min(windows[own][0] // _FINE, height // _LEAST, width // _LEAST))
+    small = cv2.resize(sums, (width // factor, height // factor), interpolation=cv2.INTER_AREA)
+    wide = sum(_mean(small, 2 * (window // (2 * factor)) + 1, share) for window, share in windows[own:])
+    spread = cv2.resize(np.asarray(wide), (width, height), interpolation=cv2.INTER_LINEAR)
+    return np.asarray(spread if total is None else cv2.add(total, spread, total))
+
+
+def _mean(sums: NDArray[Any], window: int, share: float) -> NDArray[Any]:
+    mean = cv2.blur(sums, (window, window), borderType=cv2.BORDER_REFLECT)
+    return np.asarray(mean if share == 1.0 else mean * np.float32(share))
