@@ -78,7 +78,18 @@ def measure_limbs(matte: Matte, tall: float) -> LimbWidths:
     half = depth.copy()
     radius = _FINEST
     while radius <= min(float(depth.max()), _WIDEST * tall):
-        covered = cv2.distanceTransform((depth < radius).astype(np.uint8), cv2.DIST_L2, 5) < radius
-        half[covered] = np.maximum(half[covered], radius)
+        # Wide discs are few: what they cover lies in an ever smaller part of the picture.
+        box = _grown_box(depth >= radius, int(np.ceil(radius)))
+        around = cv2.distanceTransform((depth[box] < radius).astype(np.uint8), cv2.DIST_L2, 5)
+        np.maximum(half[box], np.float32(radius), out=half[box], where=around < radius)
         radius *= _RATIO
     return LimbWidths(depth, np.where(depth > 0, half, np.float32(0.0)))
+
+
+def _grown_box(where: NDArray[np.bool_], margin: int) -> tuple[slice, slice]:
+    """The part of a picture that holds all marked pixels and those around them; at least one is marked."""
+    rows, columns = np.flatnonzero(where.any(axis=1)), np.flatnonzero(where.any(axis=0))
+    return (
+        slice(max(int(rows[0]) - margin, 0), int(rows[-1]) + margin + 1),
+        slice(max(int(columns[0]) - margin, 0), int(columns[-1]) + margin + 1),
+    )
