@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 from flowtree import check
@@ -26,7 +27,7 @@ from flowtree.pipeline.choose_yaws import choose_yaws
 from flowtree.pipeline.digest import digest
 from flowtree.pipeline.run_stages import run_stages
 from flowtree.pipeline.stage import Job
-from flowtree.pipeline.table import STAGES
+from flowtree.pipeline.table import STAGES, load_steps
 
 _DEFAULT_HEIGHT = 10.0  # [m]
 _HIGHEST = 200.0  # [m]; the highest tree on earth has 116
@@ -157,6 +158,7 @@ def reconstruct(
     warnings = _warnings(given["photo_source"], height)
     chosen = pick_device(device)
     job = Job(params=params, seed=seed, device=chosen)
+    Thread(target=load_steps, name="flowtree-imports").start()
     run = run_stages(STAGES, sources, job, views=views, cache=cache, progress=progress, cancel=cancel)
     made = run.values
     report = build_report(

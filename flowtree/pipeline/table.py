@@ -8,13 +8,32 @@ One for all: ``bark_source`` and ``leaf_source`` (a picture or None).
 
 from __future__ import annotations
 
-from flowtree.pipeline import steps
-from flowtree.pipeline.stage import Stage
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+from flowtree.pipeline import photo_steps
+from flowtree.pipeline.stage import Job, Stage
+
+
+def load_steps() -> None:
+    """Imports what the stages behind the mattes need; a stage that begins meanwhile waits for it."""
+    import_module("flowtree.pipeline.steps")
+
+
+def _late(name: str) -> Callable[..., Any]:
+    """A function of `flowtree.pipeline.steps`, looked up when it is called."""
+
+    def run(job: Job, *inputs: Any) -> Any:
+        return getattr(import_module("flowtree.pipeline.steps"), name)(job, *inputs)
+
+    return run
+
 
 STAGES: tuple[Stage, ...] = (
     Stage(
         name="photos",
-        run=steps.run_photos,
+        run=photo_steps.run_photos,
         inputs=("photo_source", "matte_source"),
         outputs=("raw_photo",),
         params=("photos",),
@@ -23,7 +42,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="strokes",
-        run=steps.run_strokes,
+        run=photo_steps.run_strokes,
         inputs=("raw_photo", "strokes_source", "mirrored"),
         outputs=("raw_strokes",),
         each_view=True,
@@ -31,7 +50,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="marks",
-        run=steps.run_marks,
+        run=photo_steps.run_marks,
         inputs=("raw_photo", "marks_source", "mirrored"),
         outputs=("raw_marks",),
         each_view=True,
@@ -39,7 +58,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="matting",
-        run=steps.run_matting,
+        run=photo_steps.run_matting,
         inputs=("raw_photo", "trimap_source", "scribbles_source"),
         outputs=("raw_matte",),
         params=("photos", "matting"),
@@ -48,7 +67,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="painting",
-        run=steps.run_painting,
+        run=photo_steps.run_painting,
         inputs=("raw_photo", "raw_matte", "paint_source", "mirrored"),
         outputs=("turned_photo", "turned_matte", "raw_edit"),
         params=("photos",),
@@ -57,7 +76,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="placing",
-        run=steps.run_placing,
+        run=_late("run_placing"),
         inputs=("turned_photo", "turned_matte", "raw_marks", "yaw", "height"),
         outputs=("placements",),
         params=("align",),
@@ -66,7 +85,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="framing",
-        run=steps.run_framing,
+        run=_late("run_framing"),
         inputs=("turned_photo", "turned_matte", "raw_edit", "placements"),
         outputs=("photos", "straight_mattes", "edits", "cameras"),
         each_view=True,
@@ -74,7 +93,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="lines",
-        run=steps.run_lines,
+        run=_late("run_lines"),
         inputs=("raw_strokes", "raw_marks", "placements"),
         outputs=("strokes", "marks"),
         each_view=True,
@@ -82,7 +101,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="completing",
-        run=steps.run_completing,
+        run=_late("run_completing"),
         inputs=("straight_mattes", "placements"),
         outputs=("bare_mattes",),
         splits=True,
@@ -90,7 +109,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="retouching",
-        run=steps.run_retouching,
+        run=_late("run_retouching"),
         inputs=("bare_mattes", "edits"),
         outputs=("mattes",),
         each_view=True,
@@ -98,7 +117,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="density",
-        run=steps.run_density,
+        run=_late("run_density"),
         inputs=("photos", "mattes", "bare_mattes", "cameras", "height"),
         outputs=("volume",),
         params=("density",),
@@ -107,7 +126,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="leafiness",
-        run=steps.run_leafiness,
+        run=_late("run_leafiness"),
         inputs=("mattes", "cameras"),
         outputs=("leafy",),
         params=("leaves",),
@@ -115,7 +134,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="habit",
-        run=steps.run_habit,
+        run=_late("run_habit"),
         inputs=("mattes", "cameras", "leafy"),
         outputs=("habit",),
         params=("attraction",),
@@ -123,7 +142,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="attraction",
-        run=steps.run_attraction,
+        run=_late("run_attraction"),
         inputs=("photos", "mattes", "cameras", "strokes", "marks", "leafy", "habit"),
         outputs=("graphs",),
         params=("attraction",),
@@ -133,14 +152,14 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="limbs",
-        run=steps.run_limbs,
+        run=_late("run_limbs"),
         inputs=("graphs", "cameras", "volume", "edits"),
         outputs=("limbs",),
         share=0.2,
     ),
     Stage(
         name="fields",
-        run=steps.run_fields,
+        run=_late("run_fields"),
         inputs=("graphs", "cameras", "edits"),
         outputs=("fields",),
         params=("field",),
@@ -150,7 +169,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="limb_field",
-        run=steps.run_limb_field,
+        run=_late("run_limb_field"),
         inputs=("limbs", "volume", "cameras", "edits", "habit"),
         outputs=("limb_field",),
         params=("field",),
@@ -158,7 +177,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="flow",
-        run=steps.run_flow,
+        run=_late("run_flow"),
         inputs=("volume", "fields", "limb_field"),
         outputs=("traces",),
         params=("flow",),
@@ -168,7 +187,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="branches",
-        run=steps.run_branches,
+        run=_late("run_branches"),
         inputs=("traces", "limbs", "mattes", "cameras", "leafy"),
         outputs=("branches",),
         params=("branches", "thickness"),
@@ -176,7 +195,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="twigs",
-        run=steps.run_twigs,
+        run=_late("run_twigs"),
         inputs=("branches", "volume", "mattes", "cameras", "leafy", "height"),
         outputs=("skeleton",),
         params=("twigs",),
@@ -185,7 +204,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="meshing",
-        run=steps.run_meshing,
+        run=_late("run_meshing"),
         inputs=("skeleton",),
         outputs=("wood",),
         params=("meshing",),
@@ -194,7 +213,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="bark",
-        run=steps.run_bark,
+        run=_late("run_bark"),
         inputs=("branches", "mattes", "cameras", "bark_source"),
         outputs=("bark",),
         params=("meshing",),
@@ -203,7 +222,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="foliage",
-        run=steps.run_foliage,
+        run=_late("run_foliage"),
         inputs=("skeleton", "volume", "mattes", "cameras", "leafy", "height", "leaf_source"),
         outputs=("foliage",),
         params=("leaves",),
@@ -212,21 +231,21 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="assembly",
-        run=steps.run_assembly,
+        run=_late("run_assembly"),
         inputs=("skeleton", "wood", "bark", "foliage", "height"),
         outputs=("tree",),
         share=0.01,
     ),
     Stage(
         name="closing",
-        run=steps.run_closing,
+        run=_late("run_closing"),
         inputs=("wood",),
         outputs=("watertight",),
         share=0.05,
     ),
     Stage(
         name="fidelity",
-        run=steps.run_fidelity,
+        run=_late("run_fidelity"),
         inputs=("tree", "mattes", "cameras"),
         outputs=("soft_ious",),
         each_view=True,

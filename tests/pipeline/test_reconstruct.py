@@ -17,9 +17,9 @@ from flowtree.model.photo import Photo
 from flowtree.params import Params
 from flowtree.pipeline.build_report import report_bytes
 from flowtree.pipeline.cache import StageCache
+from flowtree.pipeline.photo_steps import run_painting, run_strokes
 from flowtree.pipeline.reconstruct import reconstruct
 from flowtree.pipeline.stage import Job
-from flowtree.pipeline.steps import run_painting, run_strokes
 from flowtree.pipeline.table import STAGES
 from tests.pictures import draw_tree, save_pair
 
