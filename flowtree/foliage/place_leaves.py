@@ -12,9 +12,9 @@ from scipy.special import ndtri
 
 from flowtree.device import side_by_side
 from flowtree.foliage.bark_likeness import visible_limbs
-from flowtree.foliage.choose_leaf import choose_leaf
 from flowtree.foliage.color_leaves import color_leaves
-from flowtree.foliage.make_leaf import leaf_coverage, make_leaf
+from flowtree.foliage.make_leaf import leaf_coverage
+from flowtree.foliage.pick_leaf import pick_leaf
 from flowtree.geometry.choose_cover import choose_cover
 from flowtree.geometry.cover_canvas import CELLS, FINE, CoverCanvas, lay_canvas
 from flowtree.geometry.footprint_means import optical_depth
@@ -27,6 +27,7 @@ from flowtree.geometry.projection import view_axes
 from flowtree.model.camera import Camera
 from flowtree.model.foliage import Foliage
 from flowtree.model.matte import Matte
+from flowtree.model.mesh import Material, TreeMesh
 from flowtree.model.skeleton import Skeleton
 from flowtree.model.volume import DensityVolume
 from flowtree.params import LeafParams
@@ -49,6 +50,7 @@ def place_leaves(
     cameras: Sequence[Camera],
     *,
     height: float | None = None,
+    leaf: tuple[TreeMesh, Material] | None = None,
     params: LeafParams = LeafParams(),
     seed: int = 0,
 ) -> Foliage | None:
@@ -68,6 +70,7 @@ def place_leaves(
         mattes: one a view.
         cameras: theirs.
         height: of the tree [m]; None takes the volume's.
+        leaf: what `pick_leaf` gives for the same mattes, where it was asked before.
         params: shape, size, amount, angles.
         seed: of all that is random.
 
@@ -77,9 +80,8 @@ def place_leaves(
         InputError: a leaf picture that cannot be used.
     """
     height = height or volume.voxel * volume.density.shape[1]
-    shape = choose_leaf(mattes, cameras) if params.shape == "auto" else params.shape
-    leaf, material = make_leaf(shape, color=(0.8, 0.8, 0.8), seed=seed, picture=params.picture)
-    coverage = leaf_coverage(leaf, material)
+    blade, material = pick_leaf(mattes, cameras, params=params, seed=seed) if leaf is None else leaf
+    coverage = leaf_coverage(blade, material)
 
     def stand(matte: Matte, camera: Camera) -> CoverCanvas:
         return _stand(matte, camera, skeleton, height, params)
@@ -97,7 +99,7 @@ def place_leaves(
         places = places.take(canvas.spread(canvas.missing())[canvas.index(flat[:, 0], flat[:, 1])] > _WORTH)
     if not len(places.node):
         return None
-    width = float(np.ptp(leaf.positions[:, 0]))
+    width = float(np.ptp(blade.positions[:, 0]))
     likely = _density_shares(places, volume, wanted)
     chance = place_chance(places.code, seed, places.number + _CHANCE)
 
@@ -117,7 +119,7 @@ def place_leaves(
     if not len(places.node):
         return None
     return Foliage(
-        leaf=leaf,
+        leaf=blade,
         material=material,
         position=places.position.astype(np.float32),
         rotation=quaternions(np.cross(places.along, places.normal), places.along, places.normal).astype(

@@ -26,6 +26,7 @@ from flowtree.branches.measure_trunk import measure_trunk
 from flowtree.branches.turn_twigs import turn_twigs
 from flowtree.density.solve_density import solve_density
 from flowtree.flow.trace_particles import trace_particles
+from flowtree.foliage.pick_leaf import pick_leaf
 from flowtree.foliage.place_leaves import place_leaves
 from flowtree.geometry.closed_surfaces import is_watertight
 from flowtree.matting.judge_leafy import judge_leafy
@@ -265,22 +266,30 @@ def run_bark(
     return paint_bark(color, style=job.params.meshing.bark_style, seed=job.seed)
 
 
+def run_leaf(
+    job: Job, mattes: tuple[Matte, ...], cameras: tuple[Camera, ...], leafy: bool, picture: Path | None
+) -> tuple[TreeMesh, Material] | None:
+    """One leaf, if the tree has any; its picture is an input so that a new one makes a new leaf."""
+    del picture
+    return pick_leaf(mattes, cameras, params=job.params.leaves, seed=job.seed) if leafy else None
+
+
 def run_foliage(
     job: Job,
     skeleton: Skeleton,
     volume: DensityVolume,
     mattes: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
-    leafy: bool,
+    leaf: tuple[TreeMesh, Material] | None,
     heights: tuple[float, ...],
-    picture: Path | None,
 ) -> Foliage | None:
-    """The leaves, if the tree has any; their picture is an input so that a new one makes new leaves."""
-    del picture
-    if not leafy:
+    """The leaves, if the tree has any."""
+    if leaf is None:
         return None
-    params = job.params.leaves
-    return place_leaves(skeleton, volume, mattes, cameras, height=heights[0], params=params, seed=job.seed)
+    params, seed = job.params.leaves, job.seed
+    return place_leaves(
+        skeleton, volume, mattes, cameras, height=heights[0], leaf=leaf, params=params, seed=seed
+    )
 
 
 def run_assembly(

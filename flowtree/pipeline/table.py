@@ -151,6 +151,15 @@ STAGES: tuple[Stage, ...] = (
         share=0.6,
     ),
     Stage(
+        name="leaf",
+        run=_late("run_leaf"),
+        inputs=("mattes", "cameras", "leafy", "leaf_source"),
+        outputs=("leaf",),
+        params=("leaves",),
+        seeded=True,
+        share=0.05,
+    ),
+    Stage(
         name="limbs",
         run=_late("run_limbs"),
         inputs=("graphs", "cameras", "volume", "edits"),
@@ -223,7 +232,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="foliage",
         run=_late("run_foliage"),
-        inputs=("skeleton", "volume", "mattes", "cameras", "leafy", "height", "leaf_source"),
+        inputs=("skeleton", "volume", "mattes", "cameras", "leaf", "height"),
         outputs=("foliage",),
         params=("leaves",),
         seeded=True,
