@@ -32,6 +32,7 @@ _SHEATH = 0.1  # of its length, the radius of the leaves around a twig
 _BARE = 5.0  # times as many places on a bare tree, where every twig is seen
 _BARE_MOST = 1.5  # times as many twigs at most, for they hide less than leaves do
 _SLIMMER = 0.8  # times its branch's radius, a twig's at most
+_USUAL, _LEAST_LIKELY = 0.9, 0.1  # quantile of the density that is dense; chance of a place without any
 _WORTH = 0.01  # alpha that must be missing where a twig would stand, in the mean over it
 _OPEN = 0.9  # of the leaves around a twig at most
 _STEM = 3.0  # rows no wider than this many radii of the trunk show the stem alone: no twig grows there
@@ -60,7 +61,8 @@ def grow_twigs(
     next (the Golden Section rule of section 8 with 137.5 degrees); plagiotropism bends them toward the
     horizontal, and what is not rigid hangs. Of all possible places those are taken with which the tree's
     alpha comes nearest to every matte's (see `choose_cover`): on a bare tree with the twigs' own width, on a
-    leafy one with that of the leaves that they will bear. A place draws its own random numbers, so that a
+    leafy one with that of the leaves that they will bear; of those that serve alike, those in dense voxels
+    are likelier. A place draws its own random numbers, so that a
     change in one part of a matte leaves the twigs elsewhere as they were.
 
     Args:
@@ -82,7 +84,7 @@ def grow_twigs(
     random = np.random.default_rng(seed)
     shapes = shape_twigs(_SHAPES, side_twigs=side_twigs, angle=params.angle, curl=params.curl, random=random)
     twigs = _find_places(skeleton, shapes, params, height, length, 1.0 if leafy else _BARE, seed)
-    twigs = twigs.take(_inside(twigs.points[:, 2], volume))
+    twigs = twigs.take(_density(twigs.points[:, 2], volume) > 0)
     canvases = [_stand(m, c, skeleton, height) for m, c in zip(mattes, cameras, strict=True)]
     for canvas in canvases:
         twigs = twigs.take(_worth(canvas, twigs.points[:, :3]) > _WORTH)
@@ -96,7 +98,9 @@ def grow_twigs(
     covers = [_covers(c, skeleton, shapes, twigs, sheath=sheath, share=share) for c in canvases]
     batch = (_BATCHES * place_chance(twigs.code, seed, twigs.number + _BATCH)).astype(np.int64)
     chance = place_chance(twigs.code, seed, twigs.number + _CHANCE)
-    chosen = choose_cover(canvases, covers, batch=batch, chance=chance, most=most)
+    density = _density(twigs.points[:, 2], volume)
+    likely = np.clip(density / np.quantile(density, _USUAL), _LEAST_LIKELY, 1.0)
+    chosen = choose_cover(canvases, covers, batch=batch, chance=chance, weight=likely, most=most)
     return _append(skeleton, shapes, twigs.take(chosen))
 
 
@@ -166,12 +170,12 @@ def _find_places(
     return _Twigs(node, points + skeleton.points[node, None], radius, code, number)
 
 
-def _inside(points: NDArray[np.float64], volume: DensityVolume) -> NDArray[np.bool_]:
-    """Whether points (m, 3) lie in voxels that are not empty."""
+def _density(points: NDArray[np.float64], volume: DensityVolume) -> NDArray[np.float64]:
+    """Of the voxels that points (m, 3) lie in; 0 outside."""
     voxel = np.floor((points - volume.origin) / volume.voxel).astype(int)
     last = np.array(volume.density.shape) - 1
     within = ((voxel >= 0) & (voxel <= last)).all(axis=1)
-    return np.asarray(within & (volume.density[tuple(np.clip(voxel, 0, last).T)] > 0))
+    return np.where(within, volume.density[tuple(np.clip(voxel, 0, last).T)], 0.0)
 
 
 def _worth(canvas: CoverCanvas, points: NDArray[np.float64]) -> NDArray[np.float32]:

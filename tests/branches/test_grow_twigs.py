@@ -207,6 +207,17 @@ def test_a_hole_in_the_mattes_gets_fewer_twigs():
     assert holed < 0.25 * whole
 
 
+def test_of_twigs_that_serve_the_mattes_alike_those_in_dense_places_are_likelier():
+    skeleton, volume, mattes, cameras = ball_crown(alpha=0.1).inputs
+    depth = (np.arange(volume.density.shape[2]) + 0.5) * volume.voxel + volume.origin[2]
+    uneven = replace(volume, density=volume.density * np.where(depth > 0, 1.0, 0.1).astype(np.float32))
+    share = []
+    for crown in (volume, uneven):
+        made = grow_twigs(skeleton, crown, mattes[:1], cameras[:1], leafy=False)
+        share.append((made.points[bases(made)[2], 2] > 0).mean())
+    assert share[1] > share[0] + 0.03, share
+
+
 def test_equal_seeds_give_equal_bytes_and_others_do_not():
     one, same, other = (grow_twigs(*CROWN.inputs, seed=s) for s in (3, 3, 4))
     for name in FIELDS:
