@@ -47,7 +47,10 @@ def reconstruct(
         list[str] | None, typer.Option(help=f"White tree, black background, grey unknown. {_PER_PHOTO}")
     ] = None,
     scribbles: Annotated[
-        list[str] | None, typer.Option(help=f"Strokes on tree and background. {_PER_PHOTO}")
+        list[str] | None,
+        typer.Option(
+            help=f"Strokes: green on the tree, red beside it, blue on what is before it. {_PER_PHOTO}"
+        ),
     ] = None,
     paint: Annotated[
         list[str] | None, typer.Option(help=f"Density added, erased, redirected. {_PER_PHOTO}")
