@@ -59,7 +59,7 @@ class AlignParams(StageParams):
 
     automatic: Literal["opaque", "all", "none"] = _choice(
         "opaque",
-        "photos of which roll, distance and hidden ends are estimated; one with an alpha channel is taken as it is",
+        "photos whose roll, distance and hidden ends are estimated; opaque leaves those with alpha as they are",
     )
     distance: float = _number(
         2.0,

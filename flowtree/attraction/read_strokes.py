@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import warnings
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from flowtree.model.marks import ViewMarks
 from flowtree.model.photo import Photo
 
 _LARGEST_FILE = 64_000_000  # bytes
+_MOST_PIXELS = 89_000_000
 _LARGEST_SIDE = 1500  # pixels: larger drawings are scaled down before they are thinned
 _MOST_DRAWN = 0.3  # share of a picture: more is no drawing of lines
 _ASPECT = 0.02  # how far a drawing's aspect may differ from the photo's
@@ -119,14 +119,23 @@ def _read_json(file: Path, photo: Photo) -> _Lines | None:
     return lines
 
 
+def _png_size(file: Path) -> tuple[int, int]:
+    """Width and height [pixels] that the file's header names; 0 where it has none."""
+    with file.open("rb") as opened:
+        header = opened.read(24)
+    return int.from_bytes(header[16:20], "big"), int.from_bytes(header[20:24], "big")
+
+
 def _read_png(file: Path, photo: Photo) -> _Lines:
+    # Pillow only warns of such, and whether it does is a setting of the whole process.
+    across, down = _png_size(file)
+    large = across * down > _MOST_PIXELS
+    check.require(
+        not large, file.name, "must have at most 89 megapixels", f"{across} x {down}", "scale it down"
+    )
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", Image.DecompressionBombWarning)
-            with Image.open(file, formats=["PNG"]) as picture:
-                pixels = np.asarray(picture.convert("RGBA"))
-    except (Image.DecompressionBombWarning, Image.DecompressionBombError) as error:
-        check.fail(file.name, "must have at most 89 megapixels", str(error), "scale it down")
+        with Image.open(file, formats=["PNG"]) as picture:
+            pixels = np.asarray(picture.convert("RGBA"))
     except Exception as error:  # a decoder raises whatever it stumbles over in damaged data
         check.fail(file.name, "must be a whole PNG picture", str(error), "export it again")
     down, across = pixels.shape[:2]

@@ -8,7 +8,6 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-
 #: Which way branches grow.
 Habit = Literal["upright", "spreading", "weeping", "conifer", "palm"]
 

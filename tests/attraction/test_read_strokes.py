@@ -162,3 +162,14 @@ def test_random_files_never_raise_anything_else(tmp_path, text, name):
     file.write_bytes(text.encode("utf-8", "surrogatepass"))
     with pytest.raises(InputError):
         read_strokes(file, PHOTO)
+
+
+def test_a_png_that_would_fill_the_memory_is_refused_whatever_pillow_is_set_to(tmp_path, monkeypatch):
+    file = tmp_path / "huge.png"
+    Image.new("RGBA", (4, 4)).save(file)
+    data = bytearray(file.read_bytes())
+    data[16:24] = (20_000).to_bytes(4, "big") * 2
+    file.write_bytes(data)
+    monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", None)  # as another thread may have it for a moment
+    with pytest.raises(InputError, match="at most 89 megapixels, but got 20000 x 20000"):
+        read_strokes(file, PHOTO)
