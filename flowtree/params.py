@@ -59,7 +59,7 @@ class AlignParams(StageParams):
 
     automatic: Literal["opaque", "all", "none"] = _choice(
         "opaque",
-        "photos whose roll, distance and hidden ends are estimated; opaque leaves those with alpha as they are",
+        "photos whose roll, distance and hidden ends are estimated; opaque leaves out those with alpha",
     )
     distance: float = _number(
         2.0,
