@@ -129,6 +129,7 @@ def test_the_camera_sees_the_whole_tree(yaw, size, leaves):
     wide = replace(
         camera, width=3 * size, height=3 * size, foot=(camera.foot[0] + size, camera.foot[1] + size)
     )
-    inside = render_mask(tree, camera, samples=1)
-    assert render_mask(tree, wide, samples=1).sum() == pytest.approx(inside.sum(), abs=2)
-    assert inside[1:-1, 1:-1].sum() == inside.sum(), "a margin stays free"
+    seen = render_mask(tree, wide, samples=1)
+    assert seen.sum() > 0
+    seen[size + 1 : size + camera.height - 1, size + 1 : size + camera.width - 1] = 0
+    assert seen.sum() == 0, "something lies outside of the camera's picture or on its margin"
