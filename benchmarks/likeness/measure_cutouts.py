@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from benchmarks.likeness.bench import Bench, Row, mean
-from benchmarks.likeness.draw_scribble import BACKGROUND, TREE, draw_scribble
+from benchmarks.likeness.draw_scribble import BACKGROUND, TREE
 from benchmarks.likeness.matte_error import matte_error
 from benchmarks.likeness.paint_photo import SKIES, paint_photo
+from benchmarks.likeness.scribble_matte import scribble_matte
 from benchmarks.likeness.show_mattes import show_mattes
 from benchmarks.likeness.show_sheet import show_sheet
-from flowtree.matting.extract_matte import extract_matte
-from flowtree.matting.prepare_photo import prepare_photo
 from flowtree.pipeline.reconstruct import reconstruct
 
 _AUTOMATIC, _SCRIBBLED = 0.03, 0.02
@@ -29,22 +26,9 @@ def measure_cutouts(bench: Bench, names: Sequence[str]) -> list[Row]:
     for name in names:
         for weather, sky in SKIES.items():
             photo, truth = paint_photo(bench.data / "cutouts" / f"{name}.png", sky)
-            prepared = prepare_photo(photo, params=bench.params.matting)
-            alpha = extract_matte(photo, prepared=prepared, params=bench.params.matting).alpha
+            steps = scribble_matte(photo, truth, [(TREE,), (BACKGROUND,)], bench.params.matting)
             item = f"{name} {weather}"
-            alone[item] = matte_error(alpha, truth)
-            scribbles = np.zeros(alpha.shape, np.uint8)
-            steps = [(alpha, scribbles)]
-            for kind in (TREE, BACKGROUND):
-                more = draw_scribble(alpha, truth, scribbles, labels=(kind,))
-                if more is None:
-                    continue
-                scribbles = more
-                alpha = extract_matte(
-                    photo, scribbles=scribbles, prepared=prepared, params=bench.params.matting
-                ).alpha
-                steps.append((alpha, scribbles))
-            mended[item] = matte_error(alpha, truth)
+            alone[item], mended[item] = (matte_error(steps[k][0], truth) for k in (0, -1))
             show_mattes(bench, f"matte_{name}_{weather}", photo, truth, steps)
         if bench.folder is not None:
             first, _ = paint_photo(bench.data / "cutouts" / f"{name}.png", next(iter(SKIES.values())))

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from benchmarks.likeness.bench import Bench, Row, load_grey, mean
-from benchmarks.likeness.draw_scribble import draw_scribble
+from benchmarks.likeness.draw_scribble import BACKGROUND, TREE
 from benchmarks.likeness.matte_error import matte_error
+from benchmarks.likeness.scribble_matte import scribble_matte
 from benchmarks.likeness.show_mattes import show_mattes
-from flowtree.matting.extract_matte import extract_matte
-from flowtree.matting.prepare_photo import prepare_photo
 from flowtree.photos.load_photo import load_photo
 
 _AUTOMATIC, _SCRIBBLED = 0.06, 0.04
@@ -29,22 +26,9 @@ def measure_mattes(bench: Bench, names: Sequence[str]) -> list[Row]:
             folder = bench.data / "truth" / name
             photo = load_photo(folder / f"photo_{number}.jpg", params=bench.params.photos)
             truth = load_grey(folder / f"alpha_{number}.png")
-            prepared = prepare_photo(photo, params=bench.params.matting)
-            alpha = extract_matte(photo, prepared=prepared, params=bench.params.matting).alpha
+            steps = scribble_matte(photo, truth, _STROKES * [(TREE, BACKGROUND)], bench.params.matting)
             item = f"{name} {number}"
-            alone[item] = matte_error(alpha, truth)
-            scribbles = np.zeros(alpha.shape, np.uint8)
-            steps = [(alpha, scribbles)]
-            for _ in range(_STROKES):
-                more = draw_scribble(alpha, truth, scribbles)
-                if more is None:
-                    break
-                scribbles = more
-                alpha = extract_matte(
-                    photo, scribbles=scribbles, prepared=prepared, params=bench.params.matting
-                ).alpha
-                steps.append((alpha, scribbles))
-            mended[item] = matte_error(alpha, truth)
+            alone[item], mended[item] = (matte_error(steps[k][0], truth) for k in (0, -1))
             show_mattes(bench, f"matte_{name}_{number}", photo, truth, steps)
     return [
         Row("matte error of loose photos, automatic", _AUTOMATIC, mean(alone), alone, at_most=True),
