@@ -19,6 +19,7 @@ class Material:
         roughness: 0..1.
         double_sided: whether both sides are seen.
         alpha_cutoff: below this alpha the surface is not there; None is opaque.
+        translucency: 0..1, how much of the light that a thin leaf does not mirror shines through it.
     """
 
     name: str
@@ -27,6 +28,7 @@ class Material:
     roughness: float = 0.9
     double_sided: bool = False
     alpha_cutoff: float | None = None
+    translucency: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,10 @@ class TreeMesh:
         uvs: (n, 2) float32; (0, 0) is the picture's upper left corner, v grows downwards, as in glTF.
         triangles: (m, 3) int32, counter-clockwise seen from outside.
         colors: (n, 3) float32 in 0..1, linear, multiplied with the texture; None is white.
+        tangents: (n, 4) float32, unit toward growing u, and +-1, the sign of the bitangent (glTF); None where
+            no normal map is laid on.
+        node: (n,) int32, the skeleton node whose segment carries the vertex: what moves it in the wind; None
+            where no skeleton does.
     """
 
     positions: NDArray[np.float32]
@@ -46,3 +52,5 @@ class TreeMesh:
     uvs: NDArray[np.float32]
     triangles: NDArray[np.int32]
     colors: NDArray[np.float32] | None = None
+    tangents: NDArray[np.float32] | None = None
+    node: NDArray[np.int32] | None = None

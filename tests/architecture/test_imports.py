@@ -15,6 +15,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 STAGES = {
     *("photos", "matting", "density", "attraction", "flow", "branches", "foliage", "meshing"),
+    *("levels", "wind", "collision"),
     *("sketch", "lsystem", "motion", "siblings", "export", "render"),
 }
 # A module may import what stands in its own row's set; STAGES are listed by name, each may import itself.
