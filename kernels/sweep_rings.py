@@ -84,13 +84,13 @@ def place_vertices(
     ring_of: wp.array[int],  # of each row of vertices
     sides: wp.array[int],  # of each row's ring
     vertex_start: wp.array[int],  # of each row
-    repeats: wp.array[int],  # of the texture around each row; 0 where it runs out and back
-    width: wp.array[wp.float64],  # of each row, in texture widths
+    repeats: wp.array[int],  # of the texture around each row
     uv_start: wp.array[wp.vec2d],
     # out:
     position_out: wp.array[wp.vec3],  # [m]
     normal_out: wp.array[wp.vec3],
     uv_out: wp.array[wp.vec2],
+    tangent_out: wp.array[wp.vec4],  # unit, toward growing u; the bitangent is normal x tangent
 ):
     """The vertices of one row an index: a ring's and its first once more, or an apex's, one a side."""
     row = first + wp.tid()
@@ -111,11 +111,14 @@ def place_vertices(
             normal = unit(outward - slope[ring] * tangent[ring])
         around = (wp.float64(column) + shift) / wp.float64(count)
         u = around * wp.float64(repeats[row])
-        if repeats[row] == 0:
-            u = (wp.float64(0.5) - wp.abs(around - wp.float64(0.5))) * width[row]
+        turned = _TURN * (around - wp.floor(around))
+        along = wp.cos(turned) * two[ring] - wp.sin(turned) * one[ring]
         at = center[ring] + radius[ring] * outward
         vertex = vertex_start[row] + column
         position_out[vertex] = wp.vec3(wp.float32(at[0]), wp.float32(at[1]), wp.float32(at[2]))
         normal_out[vertex] = wp.vec3(wp.float32(normal[0]), wp.float32(normal[1]), wp.float32(normal[2]))
         uv = uv_start[row] + wp.vec2d(u, wp.float64(0.0))
         uv_out[vertex] = wp.vec2(wp.float32(uv[0]), wp.float32(uv[1]))
+        tangent_out[vertex] = wp.vec4(
+            wp.float32(along[0]), wp.float32(along[1]), wp.float32(along[2]), wp.float32(1.0)
+        )

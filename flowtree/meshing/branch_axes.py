@@ -19,11 +19,13 @@ class BranchAxes:
         center: (k, 3) [m].
         radius: (k,) [m].
         chain: (k,), which branch a row belongs to, counted from 0 without gaps, never falling.
+        node: (k,), the skeleton node whose segment carries the row.
     """
 
     center: Floats
     radius: Floats
     chain: Ints
+    node: Ints
 
     @property
     def first(self) -> Ints:
@@ -50,7 +52,7 @@ class BranchAxes:
 
     def at(self, rows: NDArray[np.bool_] | Ints) -> BranchAxes:
         """Some of the rows; every branch must keep one."""
-        return BranchAxes(self.center[rows], self.radius[rows], self.chain[rows])
+        return BranchAxes(self.center[rows], self.radius[rows], self.chain[rows], self.node[rows])
 
     def between(self, chain: Ints, arc: Floats) -> tuple[Ints, Floats, Floats]:
         """Interpolates: the row above (n,), centre (n, 3) and radius (n,) at an arc (n,) of a branch (n,).
@@ -67,12 +69,13 @@ class BranchAxes:
         radius: Floats = self.radius[below] + share * (self.radius[above] - self.radius[below])
         return above, center, radius
 
-    def insert(self, before: Ints, center: Floats, radius: Floats, chain: Ints) -> BranchAxes:
+    def insert(self, before: Ints, center: Floats, radius: Floats, chain: Ints, node: Ints) -> BranchAxes:
         """The axes with new rows (n,) before those named (n,)."""
         return BranchAxes(
             np.insert(self.center, before, center, axis=0),
             np.insert(self.radius, before, radius),
             np.insert(self.chain, before, chain),
+            np.insert(self.node, before, node),
         )
 
 

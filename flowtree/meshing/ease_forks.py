@@ -38,6 +38,10 @@ def ease_forks(
     chosen = np.flatnonzero(bent)
     if not len(chosen):
         return axes, bent
+    count = len(_PLACES)
+    # A place on the curve is carried by the segment from which it was bent.
+    along = reach[chosen][:, None] * np.maximum(_PLACES, 1e-3)
+    above, *_ = axes.between(np.repeat(chosen, count), along.ravel())
     _, end, end_radius = axes.between(chosen, reach[chosen])
     begin = _points_below(points, parent, fork[chosen], _BELOW * fork_radius[chosen])
     kept = axes.at(~(bent[axes.chain] & (axes.arc() <= reach[axes.chain])))
@@ -45,12 +49,12 @@ def ease_forks(
     t = _PLACES[None, :, None]
     corner = points[fork[chosen]][:, None]
     curve = (1.0 - t) ** 2 * begin[:, None] + 2.0 * t * (1.0 - t) * corner + t**2 * end[:, None]
-    count = len(_PLACES)
     return kept.insert(
         np.repeat(kept.first[chosen], count),
         curve.reshape(-1, 3),
         (end_radius[:, None] * _WIDTHS).ravel(),
         np.repeat(chosen, count),
+        axes.node[above],
     ), bent
 
 

@@ -19,14 +19,12 @@ class BarkMap:
 
     Attributes:
         ring: (r,), the ring a row stands on, never falling.
-        repeats: (r,), how often the texture repeats around; 0 where it runs out and back.
-        width: (r,), circumference in texture widths.
+        repeats: (r,), how often the texture repeats around, at least once.
         start: (r, 2), texture coordinates where the row begins.
     """
 
     ring: Ints
     repeats: Ints
-    width: Floats
     start: Floats
 
 
@@ -35,9 +33,9 @@ def map_bark(rings: Rings, wanted_scale: float) -> BarkMap:
 
     Around a thick branch it repeats a whole number of times. That number must be constant for the pattern to
     go on, so along a taper the bark gets finer; when the branch has tapered to 1 / 1.8, a new number begins
-    there. Around a thin branch not even one repeat fits: there u runs out and back again and meets itself on
-    the branch's underside, which fits every circumference. (It would fit the trunk too; but there the eye
-    finds faces in the mirror image.) Along the branch the texture is as long as it is wide.
+    there. A branch around which not even one repeat fits shows the whole texture once, smaller: young bark is
+    finer, and u grows all the way around, as a normal map needs it. Along the branch the texture is as long
+    as it is wide.
 
     Args:
         rings: of all branches.
@@ -60,12 +58,12 @@ def map_bark(rings: Rings, wanted_scale: float) -> BarkMap:
     stage = np.floor(np.log(base / narrowest) / np.log(_SHRINK))
     fits = base / _SHRINK**stage
     repeats = np.where(stage > 0, np.rint(0.85 * fits), np.rint(fits)).astype(np.int64)
-    repeats = np.where(fits < 0.75, 0, np.maximum(repeats, 1))
+    repeats = np.maximum(repeats, 1)
     repeats[first] = repeats[np.minimum(first + 1, len(repeats) - 1)]
 
     gap = np.diff(rings.arc, prepend=0.0)
     gap[first] = 0.0
-    rise = np.cumsum(gap * np.where(repeats > 0, repeats / middle, 1.0) / scale)
+    rise = np.cumsum(gap * repeats / (middle * scale))
     rise -= rise[first][rings.chain]
 
     # Every branch starts elsewhere in the picture, or neighbours would look alike. v falls toward the tip,
@@ -75,7 +73,7 @@ def map_bark(rings: Rings, wanted_scale: float) -> BarkMap:
     changes = np.flatnonzero((repeats[1:] != repeats[:-1]) & (rings.chain[1:] == rings.chain[:-1]))
     ring = np.insert(np.arange(len(width)), changes + 1, changes)
     segment = np.insert(np.arange(len(width)), changes + 1, changes + 1)
-    return BarkMap(ring=ring, repeats=repeats[segment], width=width[ring], start=start[ring])
+    return BarkMap(ring=ring, repeats=repeats[segment], start=start[ring])
 
 
 def _settled(rings: Rings) -> Floats:

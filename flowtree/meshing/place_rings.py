@@ -35,6 +35,7 @@ class Rings:
         arc: (k,) [m], distance from the branch's base along its axes.
         bark_radius: (k,) [m], the radius without flare, collar and cap: what the bark's width follows.
         chain: (k,), which branch, counted from 0 without gaps.
+        node: (k,), the skeleton node whose segment carries the ring.
         sides: (c,), sides of each branch's rings.
     """
 
@@ -45,6 +46,7 @@ class Rings:
     arc: Floats
     bark_radius: Floats
     chain: Ints
+    node: Ints
     sides: Ints
 
 
@@ -102,14 +104,18 @@ def _axes(
 ) -> tuple[BranchAxes, _Base]:
     """The axes of all branches of some length, and how they begin."""
     radius = thick[chains.node]
-    radius[np.flatnonzero(np.diff(chains.chain, prepend=-1))] = thick[chains.sprout]
-    axes = _thin_out(BranchAxes(points[chains.node], radius, chains.chain))
+    begin = np.flatnonzero(np.diff(chains.chain, prepend=-1))
+    radius[begin] = thick[chains.sprout]
+    # A base stands where its branch's first segment begins, not on the segment below.
+    node = chains.node.copy()
+    node[begin] = chains.node[np.minimum(begin + 1, len(node) - 1)]
+    axes = _thin_out(BranchAxes(points[chains.node], radius, chains.chain, node))
     alive = axes.length() > 1e-6 * extent
     check.require(
         bool(alive.any()), "skeleton", "needs a branch of some length", "nodes in one place", "spread them"
     )
     axes = axes.at(alive[axes.chain])
-    axes = BranchAxes(axes.center, axes.radius, (np.cumsum(alive) - 1)[axes.chain])
+    axes = BranchAxes(axes.center, axes.radius, (np.cumsum(alive) - 1)[axes.chain], axes.node)
 
     sprout = chains.sprout[alive]
     leaves_from = np.maximum(parent[sprout], 0)
@@ -144,7 +150,7 @@ def _with_extra_rings(
     there = where[:, None] & (extra > 0) & (extra < 0.9 * axes.length()[:, None])
     chain, place = np.nonzero(there)
     above, center, radius = axes.between(chain, extra[chain, place])
-    return axes.insert(above, center, radius, chain)
+    return axes.insert(above, center, radius, chain, axes.node[above])
 
 
 def _thin_out(axes: BranchAxes) -> BranchAxes:
@@ -207,6 +213,7 @@ def _cap(axes: BranchAxes, radius: Floats, sides: Ints, root: NDArray[np.bool_])
         arc=np.insert(arc, at, arc[end] + rise),
         bark_radius=np.insert(axes.radius, at, axes.radius[end]),
         chain=np.insert(axes.chain, at, axes.chain[end]),
+        node=np.insert(axes.node, at, axes.node[end]),
         sides=sides,
     )
 

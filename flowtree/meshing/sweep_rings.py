@@ -36,8 +36,9 @@ def sweep_rings(
       alone: each edge then belongs to two triangles. The positions of such twins are equal to the last bit.
     - Rings are carried along the branch by rotation-minimising frames, so the bark does not twist. The foot
       stands flat on the ground and flares; thick branches have a collar; tips are domes, twigs are points.
-    - The bark has one scale, close to `params.bark_scale` [m] a repeat, is not stretched and has no seam: see
-      `map_bark`.
+    - The bark has one scale, close to `params.bark_scale` [m] a repeat, is finer on thin branches, is not
+      stretched and has no seam: see `map_bark`. Tangents point around the branch, bitangents to its tip (up
+      the texture, against v), as glTF's normal maps want it.
 
     Repairs, none of which is an error: radii below 1e-5 of the tree's extent are raised to it; nodes closer
     than a third of the radius share a ring; branches of no length are left out.
@@ -60,14 +61,21 @@ def sweep_rings(
     # A ring's last column repeats its first, where the texture ends; an apex has one corner a side.
     columns = np.where(np.isneginf(rings.slope)[bark.ring], sides, sides + 1)
     offset = np.concatenate(([0], np.cumsum(columns)))
-    positions, normals, uvs = _place(rings, bark, sides, offset, devices.pick_device(device))
-    return TreeMesh(positions, normals, uvs, _triangles(rings, bark.ring, offset))
+    positions, normals, uvs, tangents = _place(rings, bark, sides, offset, devices.pick_device(device))
+    return TreeMesh(
+        positions,
+        normals,
+        uvs,
+        _triangles(rings, bark.ring, offset),
+        tangents=tangents,
+        node=np.repeat(rings.node[bark.ring], columns).astype(np.int32),
+    )
 
 
 def _place(
     rings: Rings, bark: BarkMap, sides: Ints, offset: Ints, device: str
-) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
-    """Positions [m], normals and texture coordinates of all rows of vertices, a row from its offset on."""
+) -> tuple[NDArray[np.float32], ...]:
+    """Positions [m], normals, texture coordinates and tangents of all rows of vertices."""
     one, two = transport_frames(rings.center, rings.tangent, rings.chain, device=device)
 
     def up(values: Floats | Ints, kind: Any) -> Any:
@@ -76,12 +84,11 @@ def _place(
     vectors = [up(a, wp.vec3d) for a in (rings.center, rings.tangent, one, two)]
     numbers = [up(a, wp.float64) for a in (rings.radius, rings.slope)]
     rows = [up(a, wp.int32) for a in (bark.ring, sides, offset, bark.repeats)]
-    texture = [up(bark.width, wp.float64), up(bark.start, wp.vec2d)]
-    outputs = [devices.empty(int(offset[-1]), kind, device) for kind in (wp.vec3, wp.vec3, wp.vec2)]
-    inputs = [*vectors, *numbers, *rows, *texture]
+    kinds = (wp.vec3, wp.vec3, wp.vec2, wp.vec4)
+    outputs = [devices.empty(int(offset[-1]), kind, device) for kind in kinds]
+    inputs = [*vectors, *numbers, *rows, up(bark.start, wp.vec2d)]
     devices.launch(kernels.place_vertices, len(sides), inputs, outputs, device=device, split_from=_SPLIT_FROM)
-    positions, normals, uvs = (a.numpy() for a in outputs)
-    return positions, normals, uvs
+    return tuple(a.numpy() for a in outputs)
 
 
 def _triangles(rings: Rings, ring_of_row: Ints, offset: Ints) -> NDArray[np.int32]:

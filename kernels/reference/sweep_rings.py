@@ -64,11 +64,11 @@ def place_vertices(
     sides: _Array,
     vertex_start: _Array,
     repeats: _Array,
-    width: _Array,
     uv_start: _Array,
     position_out: _Array,
     normal_out: _Array,
     uv_out: _Array,
+    tangent_out: _Array,
 ) -> None:
     """The vertices of one row an index: a ring's and its first once more, or an apex's, one a side."""
     for row in range(first, len(ring_of)):
@@ -78,8 +78,10 @@ def place_vertices(
             angle = 2.0 * np.pi * (column % count) / count
             outward = np.cos(angle) * one[ring] + np.sin(angle) * two[ring]
             around = (column + 0.5 * apex) / count
-            u = around * repeats[row] if repeats[row] else (0.5 - abs(around - 0.5)) * width[row]
+            turned = 2.0 * np.pi * (around % 1.0)
             vertex = vertex_start[row] + column
             position_out[vertex] = center[ring] + radius[ring] * outward
             normal_out[vertex] = tangent[ring] if apex else unit(outward - slope[ring] * tangent[ring])
-            uv_out[vertex] = uv_start[row] + np.array([u, 0.0])
+            uv_out[vertex] = uv_start[row] + np.array([around * repeats[row], 0.0])
+            tangent_out[vertex, :3] = np.cos(turned) * two[ring] - np.sin(turned) * one[ring]
+            tangent_out[vertex, 3] = 1.0

@@ -62,12 +62,12 @@ def test_vertices_equal_their_twins(device, seed):
     sides = rng.integers(3, 9, len(ring_of)).astype(np.int32)
     columns = sides + ~np.isneginf(slope)[ring_of]
     start = np.concatenate([[0], np.cumsum(columns)]).astype(np.int32)
-    repeats = rng.integers(0, 3, len(ring_of)).astype(np.int32)
-    width, uv_start = rng.random(len(ring_of)), rng.random((len(ring_of), 2))
-    values = [center, tangent, one, two, radius, slope, ring_of, sides, start, repeats, width, uv_start]
-    kinds = [wp.vec3d] * 4 + [wp.float64] * 2 + [wp.int32] * 4 + [wp.float64, wp.vec2d]
+    repeats = rng.integers(1, 4, len(ring_of)).astype(np.int32)
+    uv_start = rng.random((len(ring_of), 2))
+    values = [center, tangent, one, two, radius, slope, ring_of, sides, start, repeats, uv_start]
+    kinds = [wp.vec3d] * 4 + [wp.float64] * 2 + [wp.int32] * 4 + [wp.vec2d]
     inputs = [_up(a, kind, device) for a, kind in zip(values, kinds, strict=True)]
-    out = [devices.zeros(int(start[-1]), kind, device) for kind in (wp.vec3, wp.vec3, wp.vec2)]
+    out = [devices.zeros(int(start[-1]), kind, device) for kind in (wp.vec3, wp.vec3, wp.vec2, wp.vec4)]
     devices.launch(kernels.place_vertices, len(ring_of), inputs, out, device=device, split_from=2)
     slow = [np.zeros(a.numpy().shape) for a in out]
     twins.place_vertices(0, *values, *slow)

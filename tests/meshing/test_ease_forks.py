@@ -14,6 +14,7 @@ def eased(radius=0.1, *, limb=LIMB, thick=True):
         np.concatenate([TRUNK, limb]),
         np.repeat([radius, 0.7 * radius], [4, len(limb)]),
         np.repeat([0, 1], [4, len(limb)]),
+        np.array([1, 1, 2, 3, 4, 4, 5])[: 4 + len(limb)],
     )
     return axes, *ease_forks(
         axes, POINTS, PARENT, np.array([0, 2]), np.full(2, radius), np.array([False, thick])
@@ -37,6 +38,7 @@ def test_a_thick_branch_runs_on_from_below_the_fork():
 def test_the_curve_ends_on_the_branch_and_begins_inside_the_parent():
     _, after, _ = eased()
     limb, radius = after.center[after.chain == 1], after.radius[after.chain == 1]
+    assert after.node[after.chain == 1][:5].tolist() == [4] * 5
     assert np.allclose(limb[4], [0.15 / np.sqrt(2.0), 1.0 + 0.15 / np.sqrt(2.0), 0.0])
     assert np.hypot(limb[:2, 0], limb[:2, 2]).max() + radius[:2].max() < 0.1
 
@@ -54,7 +56,7 @@ def test_thin_and_short_branches_stay_as_they_are():
 def test_below_the_root_there_is_nothing():
     _, after, _ = eased(radius=0.3)  # the limb's curve fits, and 1.6 radii below reach half way down
     assert np.allclose(after.center[after.chain == 1][0], [0.0, 1.0 - 0.48, 0.0])
-    axes = BranchAxes(np.concatenate([TRUNK, LIMB]), np.full(7, 0.1), np.repeat([0, 1], [4, 3]))
+    axes = BranchAxes(np.concatenate([TRUNK, LIMB]), np.full(7, 0.1), np.repeat([0, 1], [4, 3]), np.arange(7))
     far, bent = ease_forks(axes, POINTS, PARENT, np.array([0, 0]), np.full(2, 0.1), np.array([False, True]))
     assert bent[1]
     assert np.allclose(far.center[far.chain == 1][0], 0.0)
