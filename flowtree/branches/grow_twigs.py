@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
-from scipy.special import ndtri
 
-from flowtree.branches.order_branches import order_branches
+from flowtree.branches.find_twig_places import FREE_STREAM, TwigPlaces, append_twigs, find_twig_places
 from flowtree.branches.shape_twigs import TwigShapes, shape_twigs
 from flowtree.geometry.choose_cover import choose_cover
 from flowtree.geometry.cover_canvas import CELLS, RING, CoverCanvas, lay_canvas
 from flowtree.geometry.footprint_means import optical_depth
-from flowtree.geometry.frames import side_axes, unit
-from flowtree.geometry.parent_array import parents_first, sum_before
 from flowtree.geometry.place_chance import place_chance
-from flowtree.geometry.place_code import place_code
 from flowtree.geometry.plane_grid import narrow_rows
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
@@ -31,14 +27,12 @@ _FULL = 0.4  # optical depth over the whole view, in squared heights, of a crown
 _SHEATH = 0.1  # of its length, the radius of the leaves around a twig
 _BARE = 5.0  # times as many places on a bare tree, where every twig is seen
 _BARE_MOST = 1.5  # times as many twigs at most, for they hide less than leaves do
-_SLIMMER = 0.8  # times its branch's radius, a twig's at most
 _USUAL, _LEAST_LIKELY = 0.9, 0.1  # quantile of the density that is dense; chance of a place without any
 _WORTH = 0.01  # alpha that must be missing where a twig would stand, in the mean over it
 _OPEN = 0.9  # of the leaves around a twig at most
 _STEM = 3.0  # rows no wider than this many radii of the trunk show the stem alone: no twig grows there
 _BATCHES = 32
-_STREAMS = 8  # random numbers of a place
-_COUNT, _TURN, _LEAN, _LENGTH, _SHAPE, _BATCH, _CHANCE = range(7)
+_BATCH, _CHANCE = FREE_STREAM, FREE_STREAM + 1
 
 
 def grow_twigs(
@@ -83,7 +77,16 @@ def grow_twigs(
     length = height * (params.length if leafy else params.bare_length)
     random = np.random.default_rng(seed)
     shapes = shape_twigs(_SHAPES, side_twigs=side_twigs, angle=params.angle, curl=params.curl, random=random)
-    twigs = _find_places(skeleton, shapes, params, height, length, 1.0 if leafy else _BARE, seed)
+    twigs = find_twig_places(
+        skeleton,
+        shapes,
+        bears=(skeleton.parent >= 0) & (skeleton.particles <= params.bearing_particles) & ~skeleton.twig,
+        frequency=(1.0 if leafy else _BARE) * params.frequency / height,
+        length=length,
+        height=height,
+        params=params,
+        seed=seed,
+    )
     twigs = twigs.take(_density(twigs.points[:, 2], volume) > 0)
     canvases = [_stand(m, c, skeleton, height) for m, c in zip(mattes, cameras, strict=True)]
     for canvas in canvases:
@@ -101,73 +104,7 @@ def grow_twigs(
     density = _density(twigs.points[:, 2], volume)
     likely = np.clip(density / np.quantile(density, _USUAL), _LEAST_LIKELY, 1.0)
     chosen = choose_cover(canvases, covers, batch=batch, chance=chance, weight=likely, most=most)
-    return _append(skeleton, shapes, twigs.take(chosen))
-
-
-@dataclass(frozen=True)
-class _Twigs:
-    """Twigs that could grow.
-
-    Attributes:
-        node: (m,) the skeleton's node that each grows from.
-        points: (m, n, 3) [m], world.
-        radius: (m,) at the base [m].
-        code: (m,) of the place, for its random numbers.
-        number: (m,) the first of them.
-    """
-
-    node: NDArray[np.int64]
-    points: NDArray[np.float64]
-    radius: NDArray[np.float64]
-    code: NDArray[np.int64]
-    number: NDArray[np.int64]
-
-    def take(self, which: NDArray[np.bool_]) -> _Twigs:
-        return _Twigs(
-            self.node[which], self.points[which], self.radius[which], self.code[which], self.number[which]
-        )
-
-
-def _find_places(
-    skeleton: Skeleton,
-    shapes: TwigShapes,
-    params: TwigParams,
-    height: float,
-    mean_length: float,
-    often: float,
-    seed: int,
-) -> _Twigs:
-    """All twigs on branches thin enough to bear them, in phyllotactic order along each branch."""
-    parent = skeleton.parent
-    bears = (parent >= 0) & (skeleton.particles <= params.bearing_particles) & ~skeleton.twig
-    segment = skeleton.points.astype(np.float64) - skeleton.points[np.maximum(parent, 0)]
-    codes = place_code(skeleton.points, height)
-    wanted = np.linalg.norm(segment, axis=1) * often * params.frequency / height * bears
-    count = np.floor(wanted + place_chance(codes, seed, _COUNT)).astype(np.int64)
-    before = sum_before(parent, count)  # the spiral goes on over the nodes
-    node = np.repeat(np.arange(len(parent)), count)
-    index = np.arange(len(node)) - np.repeat(np.cumsum(count) - count, count)
-    code, number = codes[node], (1 + index) * _STREAMS
-
-    def between(low: float, high: float, stream: int) -> NDArray[np.float64]:
-        return low + (high - low) * place_chance(code, seed, number + stream)
-
-    axis = unit(segment[node])
-    first, second = side_axes(axis)
-    jitter = 12.0 * ndtri(between(1e-9, 1.0 - 1e-9, _TURN))
-    turn = np.radians((index + before[node]) * params.divergence + jitter)[:, None]
-    lean = np.radians(params.angle * between(0.7, 1.2, _LEAN))[:, None]
-    along = np.cos(lean) * axis + np.sin(lean) * (np.cos(turn) * first + np.sin(turn) * second)
-    level = unit(along * np.array([1.0, 1.0 - params.plagiotropism, 1.0]))
-    along = np.where(level.any(axis=1, keepdims=True), level, along)  # what stands upright bends nowhere
-    over, aside = side_axes(along)
-    length = mean_length * between(0.4, 1.45, _LENGTH)
-    which = np.minimum(between(0.0, _SHAPES, _SHAPE).astype(np.int64), _SHAPES - 1)
-    shape = shapes.points[which] * length[:, None, None]
-    points = shape @ np.stack([-aside, along, over], axis=1)
-    points[..., 1] -= (1.0 - params.rigidity) * shape[..., 1] ** 2 / length[:, None]
-    radius = np.minimum(params.radius * height, _SLIMMER * skeleton.radius[node])
-    return _Twigs(node, points + skeleton.points[node, None], radius, code, number)
+    return append_twigs(skeleton, shapes, twigs.take(chosen))
 
 
 def _density(points: NDArray[np.float64], volume: DensityVolume) -> NDArray[np.float64]:
@@ -199,7 +136,7 @@ def _covers(
     canvas: CoverCanvas,
     skeleton: Skeleton,
     shapes: TwigShapes,
-    twigs: _Twigs,
+    twigs: TwigPlaces,
     *,
     sheath: float | None,
     share: float,
@@ -215,22 +152,3 @@ def _covers(
     covers = canvas.rod_covers(start, twigs.points.reshape(-1, 3), radius.ravel(), things, count)
     covers.data *= np.float32(share)
     return covers
-
-
-def _append(skeleton: Skeleton, shapes: TwigShapes, twigs: _Twigs) -> Skeleton:
-    """The skeleton with the twigs' nodes behind its own, in an order that keeps parents first."""
-    count, nodes = len(twigs.node), len(shapes.parent)
-    first = len(skeleton.parent) + np.arange(count)[:, None] * nodes
-    own = np.where(shapes.parent >= 0, first + shapes.parent, twigs.node[:, None]).ravel()
-    order, parent = parents_first(np.concatenate([skeleton.parent, own]))
-    points = np.concatenate([skeleton.points, twigs.points.reshape(-1, 3).astype(np.float32)])
-    radius = np.concatenate([skeleton.radius, (twigs.radius[:, None] * shapes.thickness).ravel()])
-    particles = np.concatenate([skeleton.particles, np.ones(count * nodes, np.int32)])
-    return Skeleton(
-        parent=parent,
-        points=points[order],
-        radius=radius[order].astype(np.float32),
-        particles=particles[order],
-        level=order_branches(parent, radius[order]),
-        twig=np.concatenate([skeleton.twig, np.ones(count * nodes, np.bool_)])[order],
-    )
