@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
-from scipy.special import ndtri
 
 from flowtree.device import side_by_side
 from flowtree.foliage.bark_likeness import visible_limbs
 from flowtree.foliage.color_leaves import color_leaves
+from flowtree.foliage.find_leaf_places import FREE_STREAM, LeafPlaces, bearing_way, find_leaf_places
 from flowtree.foliage.make_leaf import leaf_coverage
 from flowtree.foliage.pick_leaf import pick_leaf
 from flowtree.geometry.choose_cover import choose_cover
 from flowtree.geometry.cover_canvas import CELLS, FINE, CoverCanvas, lay_canvas
 from flowtree.geometry.footprint_means import optical_depth
-from flowtree.geometry.frames import quaternions, side_axes, unit
-from flowtree.geometry.parent_array import sum_before
 from flowtree.geometry.place_chance import place_chance
-from flowtree.geometry.place_code import place_code
 from flowtree.geometry.plane_grid import narrow_rows
 from flowtree.geometry.projection import view_axes
 from flowtree.model.camera import Camera
@@ -39,8 +36,7 @@ _PLACES = 80_000  # looked at, at most
 _STEPS = 8  # of a leaf's length and of the places' number, to each doubling
 _FEWEST, _FINEST = 2, 5  # points along and across a leaf at which it is looked up
 _BATCHES = 32
-_STREAMS = 16  # random numbers of a place
-_COUNT, _WAY, _TURN, _LEAN, _BEND, _ROLL, _SIZE, _BATCH, _CHANCE = 0, 1, 2, 3, 4, 7, 8, 9, 10
+_BATCH, _CHANCE = FREE_STREAM, FREE_STREAM + 1
 
 
 def place_leaves(
@@ -93,7 +89,7 @@ def place_leaves(
     least = params.size * height
     length = least * _step_up(float(np.sqrt(area / (coverage * params.most))) / least)
     wanted = area / (coverage * length**2)
-    places = _find_places(skeleton, params, wanted, length, height, seed)
+    places = _offer_places(skeleton, params, wanted, length, height, seed)
     for canvas in canvases:
         flat = canvas.flat(places.centre)
         places = places.take(canvas.spread(canvas.missing())[canvas.index(flat[:, 0], flat[:, 1])] > _WORTH)
@@ -122,44 +118,11 @@ def place_leaves(
         leaf=blade,
         material=material,
         position=places.position.astype(np.float32),
-        rotation=quaternions(np.cross(places.along, places.normal), places.along, places.normal).astype(
-            np.float32
-        ),
+        rotation=places.rotation.astype(np.float32),
         scale=places.length.astype(np.float32),
         color=color_leaves(places.centre, mattes, cameras, variation=params.color_variation, seed=seed),
         node=places.node.astype(np.int32),
     )
-
-
-@dataclass(frozen=True)
-class _Places:
-    """Leaves that could grow.
-
-    Attributes:
-        node: (m,) the skeleton's node on whose segment each grows.
-        length: (m,) [m].
-        position: (m, 3) stalk's end [m].
-        along: (m, 3) unit, the blade's.
-        normal: (m, 3) unit, the upper side's.
-        code: (m,) of the node, for the place's random numbers.
-        number: (m,) the first of them.
-    """
-
-    node: NDArray[np.int64]
-    length: NDArray[np.float64]
-    position: NDArray[np.float64]
-    along: NDArray[np.float64]
-    normal: NDArray[np.float64]
-    code: NDArray[np.int64]
-    number: NDArray[np.int64]
-
-    @property
-    def centre(self) -> NDArray[np.float64]:
-        """(m, 3) middle of the blade [m]."""
-        return self.position + 0.5 * self.length[:, None] * self.along
-
-    def take(self, which: NDArray[np.bool_]) -> _Places:
-        return _Places(**{field.name: getattr(self, field.name)[which] for field in fields(self)})
 
 
 def _stand(
@@ -188,45 +151,17 @@ def _step_up(factor: float) -> float:
     return float(np.exp2(np.ceil(_STEPS * np.log2(max(factor, 1.0))) / _STEPS))
 
 
-def _find_places(
+def _offer_places(
     skeleton: Skeleton, params: LeafParams, wanted: float, length: float, height: float, seed: int
-) -> _Places:
-    """``params.choice`` times ``wanted`` places, evenly along everything thin, in phyllotactic order."""
-    parent = skeleton.parent
-    segment = skeleton.points.astype(np.float64) - skeleton.points[np.maximum(parent, 0)]
-    bears = (parent >= 0) & (skeleton.twig | (skeleton.particles <= params.bearing_particles))
-    way = np.linalg.norm(segment, axis=1) * bears
-    often = min(wanted * params.choice, _PLACES) / max(float(way.sum()) / length, 1e-9)
+) -> LeafPlaces:
+    """``params.choice`` times ``wanted`` places, evenly along everything thin."""
+    way = float(bearing_way(skeleton, params).sum())
+    often = min(wanted * params.choice, _PLACES) / max(way / length, 1e-9)
     rate = params.densest / _step_up(params.densest / max(often, 1e-9)) / length
-    codes = place_code(skeleton.points, height)
-    count = np.floor(way * rate + place_chance(codes, seed, _COUNT)).astype(np.int64) * bears
-    before = sum_before(parent, count)
-    node = np.repeat(np.arange(len(parent)), count)
-    index = np.arange(len(node)) - np.repeat(np.cumsum(count) - count, count)
-    code, number = codes[node], (1 + index) * _STREAMS
-
-    def between(low: float, high: float, stream: int) -> NDArray[np.float64]:
-        return low + (high - low) * place_chance(code, seed, number + stream)
-
-    def normal(stream: int) -> NDArray[np.float64]:
-        return np.asarray(ndtri(between(1e-9, 1.0 - 1e-9, stream)))
-
-    share = (index + between(0.0, 1.0, _WAY)) / np.maximum(count[node], 1)
-    position = skeleton.points[node] - segment[node] * (1.0 - share[:, None])
-    axis = unit(segment[node])
-    first, second = side_axes(axis)
-    turn = np.radians((before[node] + index) * params.divergence + 20.0 * normal(_TURN))[:, None]
-    lean = np.radians(params.angle * between(0.6, 1.3, _LEAN))[:, None]
-    along = np.cos(lean) * axis + np.sin(lean) * (np.cos(turn) * first + np.sin(turn) * second)
-    bend = 0.15 * np.stack([normal(_BEND + k) for k in range(3)], axis=1)
-    along = unit(along + np.array([0.0, -params.hang, 0.0]) + bend)
-    over, aside = side_axes(along)
-    roll = normal(_ROLL) * (1.0 - params.plagiotropism) * np.pi / 2
-    upper = np.cos(roll)[:, None] * over + np.sin(roll)[:, None] * aside
-    return _Places(node, length * between(0.75, 1.25, _SIZE), position, along, upper, code, number)
+    return find_leaf_places(skeleton, rate=rate, length=length, height=height, params=params, seed=seed)
 
 
-def _density_shares(places: _Places, volume: DensityVolume, wanted: float) -> NDArray[np.float64]:
+def _density_shares(places: LeafPlaces, volume: DensityVolume, wanted: float) -> NDArray[np.float64]:
     """Shares in proportion to density over the number of places in the same voxel; ``wanted`` together."""
     last = np.array(volume.density.shape) - 1
     voxel = np.clip(np.floor((places.centre - volume.origin) / volume.voxel).astype(int), 0, last)
@@ -236,7 +171,7 @@ def _density_shares(places: _Places, volume: DensityVolume, wanted: float) -> ND
     return np.asarray(np.minimum(share * wanted / max(float(share.sum()), 1e-9), 1.0))
 
 
-def _covers(canvas: CoverCanvas, places: _Places, coverage: float, width: float) -> sparse.csr_array:
+def _covers(canvas: CoverCanvas, places: LeafPlaces, coverage: float, width: float) -> sparse.csr_array:
     """What each leaf covers of a view: its area as it is turned there, over its blade."""
     facing = np.abs(places.normal @ view_axes(canvas.grid.yaw)[2])
     across = width * places.length[:, None] * np.cross(places.along, places.normal)
