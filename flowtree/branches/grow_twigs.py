@@ -43,6 +43,7 @@ def grow_twigs(
     *,
     height: float | None = None,
     leafy: bool = True,
+    shapes: TwigShapes | None = None,
     params: TwigParams = TwigParams(),
     seed: int = 0,
 ) -> Skeleton:
@@ -66,6 +67,7 @@ def grow_twigs(
         cameras: theirs.
         height: of the tree [m]; None takes the volume's.
         leafy: whether the tree bears leaves.
+        shapes: of the twigs, as `copy_twig` makes them of a drawn one; None for the usual shoots.
         params: length, angle, frequency and so on.
         seed: of the places and bends.
 
@@ -76,7 +78,10 @@ def grow_twigs(
     side_twigs = 0 if leafy else params.side_twigs
     length = height * (params.length if leafy else params.bare_length)
     random = np.random.default_rng(seed)
-    shapes = shape_twigs(_SHAPES, side_twigs=side_twigs, angle=params.angle, curl=params.curl, random=random)
+    if shapes is None:
+        shapes = shape_twigs(
+            _SHAPES, side_twigs=side_twigs, angle=params.angle, curl=params.curl, random=random
+        )
     twigs = find_twig_places(
         skeleton,
         shapes,
@@ -87,10 +92,10 @@ def grow_twigs(
         params=params,
         seed=seed,
     )
-    twigs = twigs.take(_density(twigs.points[:, 2], volume) > 0)
+    twigs = twigs.take(_density(twigs.points[:, shapes.shoot[-1]], volume) > 0)
     canvases = [_stand(m, c, skeleton, height) for m, c in zip(mattes, cameras, strict=True)]
     for canvas in canvases:
-        twigs = twigs.take(_worth(canvas, twigs.points[:, :3]) > _WORTH)
+        twigs = twigs.take(_worth(canvas, twigs.points[:, shapes.shoot]) > _WORTH)
     if not len(twigs.node) or params.most == 0:
         return skeleton
     sheath, share, most = None, 1.0, round(_BARE_MOST * params.most)
@@ -101,7 +106,7 @@ def grow_twigs(
     covers = [_covers(c, skeleton, shapes, twigs, sheath=sheath, share=share) for c in canvases]
     batch = (_BATCHES * place_chance(twigs.code, seed, twigs.number + _BATCH)).astype(np.int64)
     chance = place_chance(twigs.code, seed, twigs.number + _CHANCE)
-    density = _density(twigs.points[:, 2], volume)
+    density = _density(twigs.points[:, shapes.shoot[-1]], volume)
     likely = np.clip(density / np.quantile(density, _USUAL), _LEAST_LIKELY, 1.0)
     chosen = choose_cover(canvases, covers, batch=batch, chance=chance, weight=likely, most=most)
     return append_twigs(skeleton, shapes, twigs.take(chosen))

@@ -16,11 +16,13 @@ class TwigShapes:
         parent: (n,) int32, -1 for what grows from the branch; ``parent[i] < i``.
         points: (shapes, n, 3) float64; the branch itself is at the origin.
         thickness: (n,) float64, share of the twig's radius.
+        shoot: (k,) int32, the nodes from the branch to the twig's tip.
     """
 
     parent: NDArray[np.int32]
     points: NDArray[np.float64]
     thickness: NDArray[np.float64]
+    shoot: NDArray[np.int32]
 
 
 def shape_twigs(
@@ -51,4 +53,9 @@ def shape_twigs(
         points.append((shoot[:, node] + length * out)[:, None])
         parent.append(node)
         thickness.append(0.5)
-    return TwigShapes(np.array(parent, np.int32), np.concatenate(points, axis=1), np.array(thickness))
+    return TwigShapes(
+        parent=np.array(parent, np.int32),
+        points=np.concatenate(points, axis=1),
+        thickness=np.array(thickness),
+        shoot=np.arange(3, dtype=np.int32),
+    )
