@@ -277,6 +277,13 @@ class MeshingParams(StageParams):
     """The wood's surface."""
 
     sides: int = _number(12, "sides of the thickest ring; even, or 3", ge=3, le=64)
+    tolerance: float = _number(
+        0.0,
+        "how far the surface may leave the finest one, for rings to be left out",
+        ge=0,
+        le=0.5,
+        unit="tree heights",
+    )
     root_flare: float = _number(
         0.35, "by how much the trunk widens at the ground", ge=0, le=3, unit="trunk radii"
     )
@@ -314,8 +321,27 @@ class LeafParams(StageParams):
     angle: float = _number(55.0, "angle between twig and leaf", ge=0, le=120, unit="degrees")
     plagiotropism: float = _number(0.55, "how strictly leaves turn their upper side to the sky", ge=0, le=1)
     hang: float = _number(0.25, "how far leaves hang", ge=0, le=3)
+    color: str = _choice("auto", "of leaves that no photo shows, as #rrggbb; auto goes by the shape")
     color_variation: float = _number(0.12, "relative variation of brightness from leaf to leaf", ge=0, le=1)
     bearing_particles: int = _number(2, "branches of more particles bear no leaves", ge=1, le=1000)
+
+
+class AssetParams(StageParams):
+    """Levels of detail and impostors."""
+
+    max_triangles: int = _number(
+        60_000, "triangles of the finest level; 0 leaves the tree as it is", ge=0, le=100_000_000
+    )
+    levels: int = _number(1, "levels of detail in the file, the finest among them", ge=1, le=4)
+    impostor: Literal["none", "crossed", "octahedral"] = _choice(
+        "none", "cards for far away: two crossed ones, or one with pictures from all around"
+    )
+    impostor_size: int = _number(
+        1024, "height and width of the impostor's texture", ge=64, le=8192, unit="px"
+    )
+    impostor_frames: int = _number(
+        8, "pictures along each side of the octahedral impostor's texture", ge=2, le=32
+    )
 
 
 class RenderParams(StageParams):
@@ -350,4 +376,5 @@ class Params(StageParams):
     twigs: TwigParams = TwigParams()
     meshing: MeshingParams = MeshingParams()
     leaves: LeafParams = LeafParams()
+    asset: AssetParams = AssetParams()
     render: RenderParams = RenderParams()
