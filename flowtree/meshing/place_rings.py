@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flowtree import check
 from flowtree.meshing.branch_axes import BranchAxes, Floats, Ints, unit
+from flowtree.meshing.drop_rings import drop_rings
 from flowtree.meshing.ease_forks import ease_forks
 from flowtree.meshing.trace_chains import Chains, trace_chains
 from flowtree.model.skeleton import Skeleton
@@ -56,7 +57,7 @@ def place_rings(skeleton: Skeleton, params: MeshingParams) -> Rings:
     Beside the nodes' rings there are some at the foot (root flare), where a branch leaves its parent (a curve
     for thick ones, see `ease_forks`, else a collar), and at tips (a dome, a point for twigs). A side branch
     begins on its parent's axis, with a ring small enough to lie inside the parent. Nodes closer than a third
-    of the radius share a ring.
+    of the radius share a ring; with ``params.tolerance`` also those that `drop_rings` tells.
 
     Raises:
         InputError: every branch has no length.
@@ -86,7 +87,12 @@ def place_rings(skeleton: Skeleton, params: MeshingParams) -> Rings:
     hidden = ~base.root[axes.chain] & (arc < leaving[axes.chain])
     hidden[axes.first] = ~base.root
     radius = np.where(hidden, np.minimum(radius, 0.97 * inside[axes.chain]), radius)
-    return _cap(axes, radius, sides, base.root)
+    if not params.tolerance:
+        return _cap(axes, radius, sides, base.root)
+    tolerance = params.tolerance * extent
+    kept = drop_rings(BranchAxes(axes.center, radius, axes.chain, axes.node), tolerance)
+    rings = _cap(axes.at(kept), radius[kept], sides, base.root)
+    return _sharpen(rings, tolerance, np.where(base.root, np.inf, 0.97 * inside))
 
 
 @dataclass(frozen=True)
@@ -216,6 +222,25 @@ def _cap(axes: BranchAxes, radius: Floats, sides: Ints, root: NDArray[np.bool_])
         node=np.insert(axes.node, at, axes.node[end]),
         sides=sides,
     )
+
+
+def _sharpen(rings: Rings, tolerance: float, widest: Floats) -> Rings:
+    """Lets twigs no thicker than the tolerance run out into their points, without a ring before them.
+
+    A twig that has only its base left then is as wide there as both its ends together were, but no wider than
+    ``widest`` (c,) [m]: so much of it is still to be seen.
+    """
+    first = np.flatnonzero(np.diff(rings.chain, prepend=-1))
+    apex = np.append(first[1:], len(rings.chain)) - 1
+    sharp = (rings.sides <= 4) & (rings.radius[apex - 1] <= tolerance) & (apex - 1 > first)
+    short = sharp & (apex - 2 == first)
+    radius = rings.radius.copy()
+    both = radius[first[short]] + radius[apex[short] - 1]
+    radius[first[short]] = np.maximum(radius[first[short]], np.minimum(both, widest[short]))
+    kept = np.ones(len(rings.chain), np.bool_)
+    kept[apex[sharp] - 1] = False
+    rows = {each.name: getattr(rings, each.name)[kept] for each in fields(rings) if each.name != "sides"}
+    return replace(rings, **rows | {"radius": radius[kept]})
 
 
 def _tangents(axes: BranchAxes) -> Floats:
