@@ -15,6 +15,7 @@ from flowtree.foliage.color_leaves import color_leaves
 from flowtree.foliage.find_leaf_places import FREE_STREAM, LeafPlaces, bearing_way, find_leaf_places
 from flowtree.foliage.make_leaf import leaf_coverage
 from flowtree.foliage.pick_leaf import pick_leaf
+from flowtree.foliage.spread_colors import spread_colors
 from flowtree.geometry.choose_cover import choose_cover
 from flowtree.geometry.cover_canvas import CELLS, FINE, CoverCanvas, lay_canvas
 from flowtree.geometry.footprint_means import optical_depth
@@ -47,6 +48,7 @@ def place_leaves(
     *,
     height: float | None = None,
     leaf: tuple[TreeMesh, Material] | None = None,
+    colors: Sequence[NDArray[np.float32]] | None = None,
     params: LeafParams = LeafParams(),
     seed: int = 0,
 ) -> Foliage | None:
@@ -67,6 +69,7 @@ def place_leaves(
         cameras: theirs.
         height: of the tree [m]; None takes the volume's.
         leaf: what `pick_leaf` gives for the same mattes, where it was asked before.
+        colors: what `spread_colors` gives for each matte, where it was asked before.
         params: shape, size, amount, angles.
         seed: of all that is random.
 
@@ -114,13 +117,16 @@ def place_leaves(
     places = places.take(chosen)
     if not len(places.node):
         return None
+    colors = side_by_side(spread_colors, mattes, cameras) if colors is None else colors
     return Foliage(
         leaf=blade,
         material=material,
         position=places.position.astype(np.float32),
         rotation=places.rotation.astype(np.float32),
         scale=places.length.astype(np.float32),
-        color=color_leaves(places.centre, mattes, cameras, variation=params.color_variation, seed=seed),
+        color=color_leaves(
+            places.centre, mattes, colors, cameras, variation=params.color_variation, seed=seed
+        ),
         node=places.node.astype(np.int32),
     )
 

@@ -9,6 +9,7 @@ import math
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flowtree.attraction.bend_direction_field import bend_direction_field
 from flowtree.attraction.build_direction_field import build_direction_field
@@ -28,6 +29,7 @@ from flowtree.density.solve_density import solve_density
 from flowtree.flow.trace_particles import trace_particles
 from flowtree.foliage.pick_leaf import pick_leaf
 from flowtree.foliage.place_leaves import place_leaves
+from flowtree.foliage.spread_colors import spread_colors
 from flowtree.geometry.closed_surfaces import is_watertight
 from flowtree.matting.judge_leafy import judge_leafy
 from flowtree.matting.paint_matte import paint_matte
@@ -274,6 +276,12 @@ def run_leaf(
     return pick_leaf(mattes, cameras, params=job.params.leaves, seed=job.seed) if leafy else None
 
 
+def run_colors(job: Job, matte: Matte, camera: Camera, leafy: bool) -> NDArray[np.float32]:
+    """The leaves' colours around every pixel of one view; none of a bare tree."""
+    del job
+    return spread_colors(matte, camera) if leafy else np.zeros((0, 0, 3), np.float32)
+
+
 def run_foliage(
     job: Job,
     skeleton: Skeleton,
@@ -281,14 +289,22 @@ def run_foliage(
     mattes: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
     leaf: tuple[TreeMesh, Material] | None,
+    colors: tuple[NDArray[np.float32], ...],
     heights: tuple[float, ...],
 ) -> Foliage | None:
     """The leaves, if the tree has any."""
     if leaf is None:
         return None
-    params, seed = job.params.leaves, job.seed
     return place_leaves(
-        skeleton, volume, mattes, cameras, height=heights[0], leaf=leaf, params=params, seed=seed
+        skeleton,
+        volume,
+        mattes,
+        cameras,
+        height=heights[0],
+        leaf=leaf,
+        colors=colors,
+        params=job.params.leaves,
+        seed=job.seed,
     )
 
 

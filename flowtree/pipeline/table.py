@@ -203,6 +203,14 @@ STAGES: tuple[Stage, ...] = (
         share=0.1,
     ),
     Stage(
+        name="colors",  # behind the flow's stages, beside which a core has nothing else to do
+        run=_late("run_colors"),
+        inputs=("mattes", "cameras", "leafy"),
+        outputs=("colors",),
+        each_view=True,
+        share=0.1,
+    ),
+    Stage(
         name="twigs",
         run=_late("run_twigs"),
         inputs=("branches", "volume", "mattes", "cameras", "leafy", "height"),
@@ -232,7 +240,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="foliage",
         run=_late("run_foliage"),
-        inputs=("skeleton", "volume", "mattes", "cameras", "leaf", "height"),
+        inputs=("skeleton", "volume", "mattes", "cameras", "leaf", "colors", "height"),
         outputs=("foliage",),
         params=("leaves",),
         seeded=True,

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flowtree.foliage.color_leaves import color_leaves
+from flowtree.foliage.spread_colors import spread_colors
 from flowtree.geometry.srgb import LIGHT_OF_BYTE
 from flowtree.model.matte import Matte
 from tests.crowns import CENTRE, ball_matte, camera_at, plane_of
@@ -20,29 +21,35 @@ def painted(camera, color, alpha=0.8):
     return replace(matte, foreground=np.broadcast_to(np.uint8(color), matte.foreground.shape).copy())
 
 
+def colored(points, mattes, cameras, **options):
+    """Leaves coloured from mattes, as `place_leaves` does."""
+    colors = [spread_colors(matte, camera) for matte, camera in zip(mattes, cameras, strict=True)]
+    return color_leaves(points, mattes, colors, cameras, **options)
+
+
 def test_an_even_colour_is_every_leafs():
     """Divided by the mean brightness of the texture that it is multiplied with."""
-    made = color_leaves(SPOTS, [painted(FRONT, (90, 140, 30))], [FRONT], variation=0)
+    made = colored(SPOTS, [painted(FRONT, (90, 140, 30))], [FRONT], variation=0)
     assert np.allclose(made, LIGHT_OF_BYTE[[90, 140, 30]] / 0.8, rtol=1e-3)
 
 
 def test_halves_keep_their_colours():
     left = plane_of(FRONT)[0] < 0
     matte = painted(FRONT, np.where(left[..., None], (160, 30, 20), (40, 150, 30)))
-    made = color_leaves(SPOTS, [matte], [FRONT], variation=0)
+    made = colored(SPOTS, [matte], [FRONT], variation=0)
     far = np.abs(SPOTS[:, 0]) > 0.2
     assert ((made[far, 0] > made[far, 1]) == (SPOTS[far, 0] < 0)).all()
 
 
 def test_the_nearest_view_tells():
     mattes = [painted(FRONT, (200, 40, 40)), painted(SIDE, (40, 40, 200))]
-    made = color_leaves(SPOTS, mattes, [FRONT, SIDE], variation=0)
+    made = colored(SPOTS, mattes, [FRONT, SIDE], variation=0)
     assert ((made[:, 0] > made[:, 2]) == (SPOTS[:, 2] > SPOTS[:, 0])).all()
 
 
 def test_a_view_that_shows_no_tree_there_tells_nothing():
     mattes = [painted(FRONT, (200, 40, 40), alpha=0.0), painted(SIDE, (40, 40, 200))]
-    made = color_leaves(SPOTS, mattes, [FRONT, SIDE], variation=0)
+    made = colored(SPOTS, mattes, [FRONT, SIDE], variation=0)
     assert (made[:, 2] > made[:, 0]).all()
 
 
@@ -52,17 +59,17 @@ def test_what_shines_through_half_covered_pixels_counts_little():
     thin = np.indices(matte.alpha.shape).sum(axis=0) % 2 == 0
     color = np.where(thin[..., None], np.uint8([200, 210, 255]), matte.foreground)
     mixed = Matte(np.where(thin, 0.15, 1.0).astype(np.float32) * (matte.alpha > 0), color, "trimap")
-    made = color_leaves(SPOTS, [mixed], [FRONT], variation=0)
+    made = colored(SPOTS, [mixed], [FRONT], variation=0)
     assert np.allclose(made, LIGHT_OF_BYTE[[60, 130, 40]] / 0.8, atol=0.02)
 
 
 def test_variation_is_of_brightness_alone_and_as_wide_as_asked():
     spots = np.repeat(SPOTS, 50, axis=0)
-    made = color_leaves(spots, [painted(FRONT, (90, 140, 60))], [FRONT], variation=0.12, seed=3)
+    made = colored(spots, [painted(FRONT, (90, 140, 60))], [FRONT], variation=0.12, seed=3)
     assert made[:, 1].std() / made[:, 1].mean() == pytest.approx(0.12, rel=0.1)
     assert np.allclose(made[:, 0] / made[:, 1], made[0, 0] / made[0, 1], rtol=1e-4)
-    again = color_leaves(spots, [painted(FRONT, (90, 140, 60))], [FRONT], variation=0.12, seed=3)
-    other = color_leaves(spots, [painted(FRONT, (90, 140, 60))], [FRONT], variation=0.12, seed=4)
+    again = colored(spots, [painted(FRONT, (90, 140, 60))], [FRONT], variation=0.12, seed=3)
+    other = colored(spots, [painted(FRONT, (90, 140, 60))], [FRONT], variation=0.12, seed=4)
     assert made.tobytes() == again.tobytes() != other.tobytes()
 
 
@@ -81,7 +88,7 @@ def test_any_picture_and_place_gives_a_colour(seed, shape, variation, count):
         rng.integers(0, 256, (*shape, 3), np.uint8),
         "automatic",
     )
-    made = color_leaves(rng.normal(0, 3, (count, 3)), [matte], [camera], variation=variation, seed=seed)
+    made = colored(rng.normal(0, 3, (count, 3)), [matte], [camera], variation=variation, seed=seed)
     assert made.shape == (count, 3)
     assert made.dtype == np.float32
     assert np.isfinite(made).all()

@@ -1,0 +1,56 @@
+"""The leaves' colours around every pixel of a photo."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from flowtree.foliage.bark_likeness import bark_likeness
+from flowtree.geometry.srgb import LIGHT_OF_BYTE
+from flowtree.model.camera import Camera
+from flowtree.model.matte import Matte
+
+_BLUR = 0.004  # of the picture's height: about a leaf, so that one dark pixel between leaves does not count
+_SOLID = 4  # power of alpha that weighs a pixel: half-covered ones still hold some of the sky
+_WIDE, _FAR = 6.0, 0.02  # a neighbourhood so many times wider counts so much, where the near one has no leaf
+_HUE = 3.0  # robust standard deviations at which a hue is no longer the crown's
+
+
+def spread_colors(matte: Matte, camera: Camera) -> NDArray[np.float32]:
+    """Weighted means of the tree's colours, from farther away where all near weights are small.
+
+    Pixels in the colour of the trunk count little, and so do those of a hue that the crown hardly has: a
+    twig's white bark, or sky that shone through where the matte closed a gap, is no leaf's colour.
+
+    Args:
+        matte: with the foreground's colours.
+        camera: of the view; only its foot is used.
+
+    Returns: (h, w, 3) float32 in 0..1, linear.
+    """
+    weight = matte.alpha**_SOLID * (1.02 - bark_likeness(matte, camera)) * _usual_hue(matte) + 1e-5
+    light = np.asarray(cv2.LUT(matte.foreground, LIGHT_OF_BYTE.astype(np.float32)), np.float32)
+    height, width = weight.shape
+    sigma = max(_BLUR * height, 0.5)
+    weights = np.asarray(weight, np.float32)
+    sums = cv2.merge([*cv2.split(light * cv2.merge([weights] * 3)), weights])
+    # The wide mean is smooth: a picture a quarter as large holds all of it.
+    small = cv2.resize(sums, (max(1, width // 4), max(1, height // 4)), interpolation=cv2.INTER_AREA)
+    wide = cv2.resize(cv2.GaussianBlur(small, (0, 0), _WIDE * sigma / 4), (width, height))
+    both = cv2.scaleAdd(wide, _FAR, cv2.GaussianBlur(sums, (0, 0), sigma))
+    return np.asarray(both[..., :3] / both[..., 3:], np.float32)
+
+
+def _usual_hue(matte: Matte) -> NDArray[np.float32]:
+    """How usual each pixel's hue is in the crown: 1 near the median of CIELAB's a and b, less far from it."""
+    lab = cv2.cvtColor(matte.foreground.astype(np.float32) / 255, cv2.COLOR_RGB2LAB)
+    solid = matte.alpha > 0.8
+    if not solid.any():
+        return np.ones(matte.alpha.shape, np.float32)
+    hue = [np.ascontiguousarray(lab[..., 1]), np.ascontiguousarray(lab[..., 2])]
+    gaps = [part - np.median(part[solid]) for part in hue]
+    # Even a crown of one hue has a few units.
+    red, yellow = (gap / (1.4826 * np.median(np.abs(gap[solid])) + 3.0) for gap in gaps)
+    far = np.sqrt(red * red + yellow * yellow) / _HUE
+    return np.asarray(1.0 / (1.0 + far**4), np.float32)
