@@ -22,8 +22,8 @@ def check_tree(tree: TreeModel) -> None:
     """
     measured = math.isfinite(tree.height)
     check.require(measured, "tree's height", "must be a number of metres", tree.height, "measure it")
-    _check_mesh(tree.wood, "wood")
-    _check_material(tree.bark, "bark")
+    check_mesh(tree.wood, "wood")
+    check_material(tree.bark, "bark")
     leaves = 0
     if tree.foliage is not None:
         _check_foliage(tree.foliage)
@@ -32,7 +32,12 @@ def check_tree(tree: TreeModel) -> None:
     check.require(triangles > 0, "tree", "needs a triangle", "none", "mesh the skeleton first")
 
 
-def _check_mesh(mesh: TreeMesh, thing: str) -> None:
+def check_mesh(mesh: TreeMesh, thing: str) -> None:
+    """Refuses a mesh with an array of the wrong shape, NaN, or a triangle of vertices that are not there.
+
+    Raises:
+        InputError: it is so; ``thing`` names the mesh.
+    """
     count = len(mesh.positions)
     check.array(mesh.positions, f"{thing}'s positions", shape=(None, 3), low=-MOST_METRES, high=MOST_METRES)
     check.array(mesh.normals, f"{thing}'s normals", shape=(count, 3))
@@ -41,14 +46,16 @@ def _check_mesh(mesh: TreeMesh, thing: str) -> None:
     )
     if mesh.colors is not None:
         check.array(mesh.colors, f"{thing}'s colours", shape=(count, 3), low=0.0, high=1.0)
+    if mesh.tangents is not None:
+        check.array(mesh.tangents, f"{thing}'s tangents", shape=(count, 4))
     check.array(
         mesh.triangles, f"{thing}'s triangles", shape=(None, 3), dtype=np.int32, low=0.0, high=count - 1.0
     )
 
 
 def _check_foliage(foliage: Foliage) -> None:
-    _check_mesh(foliage.leaf, "leaf")
-    _check_material(foliage.material, "leaf material")
+    check_mesh(foliage.leaf, "leaf")
+    check_material(foliage.material, "leaf material")
     count = len(foliage.position)
     check.array(foliage.position, "leaf positions", shape=(None, 3), low=-MOST_METRES, high=MOST_METRES)
     turns = check.array(foliage.rotation, "leaf rotations", shape=(count, 4), dtype=np.float64)
@@ -63,7 +70,12 @@ def _check_foliage(foliage: Foliage) -> None:
     check.array(foliage.color, "leaf colours", shape=(count, 3), low=0.0, high=1.0)
 
 
-def _check_material(material: Material, thing: str) -> None:
+def check_material(material: Material, thing: str) -> None:
+    """Refuses a material whose textures are no pictures or whose numbers lie outside their range.
+
+    Raises:
+        InputError: it is so; ``thing`` names the material.
+    """
     for picture, name in ((material.base_color, "texture"), (material.normal, "normal map")):
         if picture is None:
             continue
@@ -80,6 +92,10 @@ def _check_material(material: Material, thing: str) -> None:
     roughness = 0.0 <= material.roughness <= 1.0
     check.require(
         roughness, f"{thing}'s roughness", "must lie in 0..1", material.roughness, "choose such a number"
+    )
+    through = material.translucency
+    check.require(
+        0.0 <= through <= 1.0, f"{thing}'s translucency", "must lie in 0..1", through, "choose such a number"
     )
     cutoff = material.alpha_cutoff
     valid = cutoff is None or 0.0 <= cutoff <= 1.0

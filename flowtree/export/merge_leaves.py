@@ -25,7 +25,8 @@ def merge_leaves(foliage: Foliage, *, crown_share: float = CROWN_SHARE) -> TreeM
         crown_share: of the outward direction in the normals; 0 keeps the leaves' own.
 
     Returns:
-        n * m vertices, world frame [m], with colours (leaf's times the shape's own, linear).
+        n * m vertices, world frame [m], with colours (leaf's times the shape's own, linear), the leaf's node,
+        and its tangents where the shape has any.
     """
     leaf, count = foliage.leaf, len(foliage.position)
     axes = _rotation_matrices(foliage.rotation)
@@ -45,7 +46,15 @@ def merge_leaves(foliage: Foliage, *, crown_share: float = CROWN_SHARE) -> TreeM
         uvs=np.tile(leaf.uvs.astype(np.float32), (count, 1)),
         triangles=triangles.reshape(-1, 3).astype(np.int32),
         colors=colors.reshape(-1, 3),
+        tangents=None if leaf.tangents is None else _tangents(axes, leaf.tangents),
+        node=np.repeat(foliage.node.astype(np.int32), len(leaf.positions)),
     )
+
+
+def _tangents(axes: NDArray[np.float32], own: NDArray[np.float32]) -> NDArray[np.float32]:
+    turned = _rotate(axes, own[:, :3])
+    sign = np.broadcast_to(own[None, :, 3:], (*turned.shape[:2], 1))
+    return np.concatenate([turned, sign.astype(np.float32)], axis=2).reshape(-1, 4)
 
 
 def _rotation_matrices(rotation: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -80,23 +80,47 @@ class GlbFile:
         return values[:, 0] if width == 1 else values
 
     def placed_meshes(self) -> Iterator[tuple[str, dict[str, Any], NDArray[np.float64]]]:
-        """Every node with a mesh in the scene: its name, the mesh, and the matrix (4, 4) to the world."""
-        nodes = self.entries("nodes")
-        scene = _at(self.entries("scenes"), self.document.get("scene", 0)) if self.entries("scenes") else {}
-        waiting = [(index, np.eye(4)) for index in reversed(scene.get("nodes", []))]
-        seen: set[int] = set()
-        while waiting:
-            index, above = waiting.pop()
-            check.require(
-                index not in seen, self.name, "must be a tree of nodes", "a circle", "export it again"
-            )
-            seen.add(index)
-            node = _at(nodes, index)
-            matrix = above @ _local_matrix(node)
-            waiting += [(child, matrix) for child in reversed(node.get("children", []))]
+        """Every node with a mesh in the scene: its name, the mesh, and the matrix (4, 4) to the world.
+
+        A skinned mesh stands where its joints at rest put it, whatever its node says.
+        """
+        for node, matrix in self.placed_nodes():
             if "mesh" in node:
                 mesh = _at(self.entries("meshes"), node["mesh"])
-                yield node.get("name") or mesh.get("name") or f"node {index}", mesh, matrix
+                yield node.get("name") or mesh.get("name") or f"mesh {node['mesh']}", mesh, matrix
+
+    def placed_nodes(self, scene: int | None = None) -> Iterator[tuple[dict[str, Any], NDArray[np.float64]]]:
+        """Every node of a scene, the one to show unless another is given, and its matrix (4, 4) to the world.
+
+        That of a skinned mesh is its joints' at rest.
+        """
+        nodes = self.entries("nodes")
+        number = self.document.get("scene", 0) if scene is None else scene
+        shown = _at(self.entries("scenes"), number) if self.entries("scenes") else {}
+        waiting = [(index, np.eye(4)) for index in reversed(shown.get("nodes", []))]
+        placed: dict[int, NDArray[np.float64]] = {}
+        while waiting:
+            index, above = waiting.pop()
+            rule = "must be a tree of nodes"
+            check.require(index not in placed, self.name, rule, "a circle", "export it again")
+            node = _at(nodes, index)
+            placed[index] = above @ _local_matrix(node)
+            waiting += [(child, placed[index]) for child in reversed(node.get("children", []))]
+        for index, matrix in placed.items():
+            yield (
+                nodes[index],
+                self._at_rest(nodes[index]["skin"], placed) if "skin" in nodes[index] else matrix,
+            )
+
+    def _at_rest(self, index: int, placed: dict[int, NDArray[np.float64]]) -> NDArray[np.float64]:
+        """Where a skin's first joint, not yet turned, puts the mesh."""
+        skin = _at(self.entries("skins"), index)
+        joint = placed[skin["joints"][0]]
+        if "inverseBindMatrices" not in skin:
+            return joint
+        undo = self.accessor(skin["inverseBindMatrices"])[0].reshape(4, 4).T
+        matrix: NDArray[np.float64] = joint @ undo.astype(np.float64)
+        return matrix
 
 
 def parse_glb(path: Path) -> GlbFile:

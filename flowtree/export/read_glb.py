@@ -22,8 +22,9 @@ def read_glb(path: Path) -> TreeModel:
     """Reads a tree that `write_glb` wrote.
 
     A file holds less than the model: all leaves come back as one compound leaf at the origin, 1 m long, with
-    the leaves' colours in its vertices, and the skeleton as its root alone. Positions, triangles and texture
-    coordinates are those that were written, bit for bit.
+    the leaves' colours in its vertices (unless they are instanced), of several levels the finest, and the
+    skeleton as its root alone. Positions and triangles are those that were written, bit for bit, unless the
+    file is quantised.
 
     Raises:
         InputError: it cannot be read, is damaged, or is no tree of ours.
@@ -36,39 +37,50 @@ def read_glb(path: Path) -> TreeModel:
 
 
 def _read_tree(file: GlbFile) -> TreeModel:
-    parts = {name: mesh for name, mesh, _ in file.placed_meshes()}
+    placed = {
+        str(node.get("name", "")): (node, matrix) for node, matrix in file.placed_nodes() if "mesh" in node
+    }
     roots = file.document["scenes"][file.document.get("scene", 0)]["nodes"]
     root = file.entries("nodes")[roots[0]]
     name = str(root.get("name", ""))
-    wood, leaves = parts.get(f"{name}_wood"), parts.get(f"{name}_leaves")
+    wood, leaves = (
+        placed.get(f"{name}_{part}") or placed.get(f"{name}_LOD0_{part}") for part in ("wood", "leaves")
+    )
     check.require(
         (wood is not None or leaves is not None) and "height" in root.get("extras", {}),
         file.name,
         "must be a tree that flowtree wrote",
-        f"nodes named {', '.join(sorted(parts)[:4]) or 'nothing'}",
+        f"nodes named {', '.join(sorted(placed)[:4]) or 'nothing'}",
         "reconstruct it, or open it in another program",
     )
-    surface, bark = _no_wood() if wood is None else _read_part(file, wood)
+    surface, bark = _no_wood() if wood is None else _read_part(file, *wood)
     return TreeModel(
         name=name,
         height=float(root["extras"]["height"]),
         skeleton=_root_alone(),
         wood=surface,
         bark=bark,
-        foliage=None if leaves is None else _one_leaf(*_read_part(file, leaves)),
+        foliage=None if leaves is None else _read_leaves(file, *leaves),
     )
 
 
-def _read_part(file: GlbFile, mesh: dict[str, Any]) -> tuple[TreeMesh, Material]:
+def _read_part(file: GlbFile, node: dict[str, Any], matrix: NDArray[np.float64]) -> tuple[TreeMesh, Material]:
+    mesh = file.entries("meshes")[node["mesh"]]
     (primitive,) = mesh["primitives"]
     attributes = primitive["attributes"]
     entry = file.entries("materials")[primitive["material"]]
     surface = entry["pbrMetallicRoughness"]
+    factor = np.array(surface["baseColorFactor"][:3], np.float64)
     colors: NDArray[np.float32] | None = None
-    if "COLOR_0" in attributes:
-        factor = np.array(surface["baseColorFactor"][:3], np.float64)
+    positions = file.accessor(attributes["POSITION"])
+    if "COLOR_0" in attributes and mesh.get("extras", {}).get("COLOR_0") != "wind":
         colors = (file.accessor(attributes["COLOR_0"])[:, :3] * factor).astype(np.float32)
+    elif (factor != 1.0).any():
+        colors = np.broadcast_to(factor.astype(np.float32), positions.shape).copy()
+    if not np.array_equal(matrix, np.eye(4)):  # quantised, or moved by another program
+        positions = (positions @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
     normal = entry.get("normalTexture")
+    through = entry.get("extensions", {}).get("KHR_materials_diffuse_transmission", {})
     material = Material(
         name=str(entry["name"]),
         base_color=_read_picture(file, surface["baseColorTexture"]["index"]),
@@ -76,16 +88,36 @@ def _read_part(file: GlbFile, mesh: dict[str, Any]) -> tuple[TreeMesh, Material]
         roughness=float(surface["roughnessFactor"]),
         double_sided=bool(entry.get("doubleSided", False)),
         alpha_cutoff=float(entry["alphaCutoff"]) if entry.get("alphaMode") == "MASK" else None,
+        translucency=float(through.get("diffuseTransmissionFactor", 0.0)),
     )
     triangles = file.accessor(primitive["indices"]).astype(np.int64).reshape(-1, 3)
     geometry = TreeMesh(
-        positions=file.accessor(attributes["POSITION"]),
+        positions=positions,
         normals=file.accessor(attributes["NORMAL"]),
         uvs=file.accessor(attributes["TEXCOORD_0"]),
         triangles=triangles.astype(np.int32),
         colors=colors,
+        tangents=file.accessor(attributes["TANGENT"]) if "TANGENT" in attributes else None,
     )
     return geometry, material
+
+
+def _read_leaves(file: GlbFile, node: dict[str, Any], matrix: NDArray[np.float64]) -> Foliage:
+    geometry, material = _read_part(file, node, matrix)
+    instancing = node.get("extensions", {}).get("EXT_mesh_gpu_instancing")
+    if instancing is None:
+        return _one_leaf(geometry, material)
+    places = {name: file.accessor(index) for name, index in instancing["attributes"].items()}
+    count = len(places["TRANSLATION"])
+    return Foliage(
+        leaf=geometry,
+        material=material,
+        position=places["TRANSLATION"],
+        rotation=places["ROTATION"],
+        scale=places["SCALE"][:, 0],
+        color=places["_COLOR_0"],
+        node=np.zeros(count, np.int32),
+    )
 
 
 def _read_picture(file: GlbFile, texture: int) -> NDArray[np.uint8]:

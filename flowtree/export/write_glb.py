@@ -2,231 +2,212 @@
 
 from __future__ import annotations
 
-import json
-import struct
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flowtree import __version__, check
-from flowtree.device import side_by_side
-from flowtree.export.check_tree import check_tree
-from flowtree.export.encode_texture import encode_texture
+from flowtree import check
+from flowtree.export.check_asset import check_asset
+from flowtree.export.glb_builder import GlbBuilder
+from flowtree.export.glb_materials import GlbMaterials
+from flowtree.export.glb_parts import GlbParts
+from flowtree.export.glb_skin import add_animation, add_skin
+from flowtree.export.glb_vertices import Frame, frame_around
 from flowtree.export.merge_leaves import merge_leaves
 from flowtree.files import write_whole
+from flowtree.model.asset import Card, TreeAsset
+from flowtree.model.foliage import Foliage
 from flowtree.model.mesh import Material, TreeMesh
 from flowtree.model.tree import TreeModel
+from flowtree.model.wind import Armature, Sway
 
-# Numbers of the glTF 2.0 specification.
-_UNSIGNED_BYTE, _UNSIGNED_SHORT, _UNSIGNED_INT, _FLOAT = 5121, 5123, 5125, 5126
-_VERTICES, _INDICES = 34962, 34963
-_LINEAR, _LINEAR_MIPMAP_LINEAR, _CLAMP, _REPEAT = 9729, 9987, 33071, 10497
-# 65535 itself restarts a strip in some graphics interfaces, so glTF forbids it as a 16-bit index.
-_MOST_SHORT_VERTICES = 65535
+# Each level is shown down to a quarter of the screen's area at which the one before it ends; the last always.
+_COVERAGE, _COVERAGE_RATIO = 0.25, 0.25
 
 
-def write_glb(tree: TreeModel, path: Path) -> None:
+def write_glb(
+    tree: TreeModel | TreeAsset,
+    path: Path,
+    *,
+    quantise: bool = False,
+    instanced: bool = False,
+) -> None:
     """Writes a tree as binary glTF: metres, y up, the foot at the origin (glTF 2.0, section 3.4).
 
     See `encode_glb` for what is inside.
 
     Raises:
-        InputError: the tree is broken (see `check_tree`) or larger than the format allows.
+        InputError: the tree is broken (see `check_asset`) or larger than the format allows.
         OutputError: the file could not be written; what stood there is untouched.
     """
-    write_whole(path, encode_glb(tree))
+    write_whole(path, encode_glb(tree, quantise=quantise, instanced=instanced))
 
 
-def encode_glb(tree: TreeModel) -> bytes:
+def encode_glb(
+    tree: TreeModel | TreeAsset,
+    *,
+    quantise: bool = False,
+    instanced: bool = False,
+) -> bytes:
     """The bytes of the GLB file; the same tree always gives the same ones.
 
     Nodes: ``<name>`` with the children ``<name>_wood`` and, unless the tree is bare, ``<name>_leaves``, each
-    with a mesh. All leaves are one mesh (Blender makes an object of every instance). Colours are stored as
-    bytes, relative to the brightest of each channel, which becomes the material's factor: dark greens keep
-    their steps. Opaque pictures are JPEG, those with alpha and normal maps PNG.
+    with a mesh. With several levels or cards those stand below ``<name>_LOD0``, ``<name>_LOD1``, … instead;
+    the scene to show holds level 0, which names the others (MSFT_lod), and each of them is a scene of its own
+    for programs that do not know that extension. Skinned meshes are roots of the scene, as glTF wants them,
+    and name their own next levels.
+
+    All leaves are one mesh (Blender makes an object of every instance). Opaque pictures and normal maps are
+    JPEG, those with alpha PNG.
+
+    Args:
+        tree: with or without levels, cards, wind and collision.
+        quantise: store places as 16-bit and directions as 8-bit fractions (KHR_mesh_quantization): half the
+            file, for programs that read it.
+        instanced: store one leaf and the leaves' places (EXT_mesh_gpu_instancing), for programs that read it.
 
     Raises:
-        InputError: the tree is broken (see `check_tree`) or larger than the format allows.
+        InputError: the tree is broken (see `check_asset`) or larger than the format allows, or leaves shall
+            be instanced and follow joints.
     """
-    check_tree(tree)
-    name = tree.name.encode("utf-8", "replace").decode() or "Tree"
-    foliage = tree.foliage if tree.foliage is not None and len(tree.foliage.position) else None
-    extras = {"height": float(tree.height), "leaves": 0 if foliage is None else len(foliage.position)}
-    leafy = foliage is not None and len(foliage.leaf.triangles) > 0
-    materials = [tree.bark] if len(tree.wood.triangles) else []
-    if foliage is not None and leafy:
-        materials.append(foliage.material)
-    children: list[int] = []
-    file = _Glb({"name": name, "children": children, "extras": extras}, materials)
-    if len(tree.wood.triangles):
-        children.append(file.add_part(f"{name}_wood", tree.wood, tree.bark))
-    if foliage is not None and leafy:
-        children.append(file.add_part(f"{name}_leaves", merge_leaves(foliage), foliage.material))
-    return file.finish()
+    asset = tree if isinstance(tree, TreeAsset) else TreeAsset((tree,))
+    check_asset(asset)
+    moved = any(wind.armature is not None or wind.leaves for wind in asset.winds)
+    rule = "cannot carry wind, which moves single vertices"
+    check.require(
+        not (instanced and moved), "instanced leaves", rule, "both", "leave out --instanced or --wind"
+    )
+    return _Writer(asset, quantise=quantise, instanced=instanced).encode()
 
 
-class _Glb:
-    """A glTF document and its binary buffer while they grow; the root node is the first.
+class _Writer:
+    """One asset on its way into one file."""
 
-    The pictures of all materials, in the order in which they are added, are packed at the beginning, side by
-    side: that takes half of the time.
-    """
+    def __init__(self, asset: TreeAsset, *, quantise: bool, instanced: bool) -> None:
+        self._asset = asset
+        self._leaves = [None if instanced else _merged(level) for level in asset.levels]
+        self._builder = GlbBuilder()
+        self._frame = _cube(asset, self._leaves) if quantise else None
+        self._parts = GlbParts(self._builder, GlbMaterials(self._builder, _materials(asset)), self._frame)
+        self._armatures: list[tuple[Armature, int, list[int]]] = []
+        self._name = asset.levels[0].name.encode("utf-8", "replace").decode() or "Tree"
+        steps = len(asset.levels) + len(asset.cards)
+        self._steps = [self._name] if steps == 1 else [f"{self._name}_LOD{k}" for k in range(steps)]
 
-    def __init__(self, root: dict[str, Any], materials: Sequence[Material]) -> None:
-        self._pictures = iter(side_by_side(_pack, [each for some in materials for each in _pictures(some)]))
-        self._lists: dict[str, list[dict[str, Any]]] = {"nodes": [root]}
-        self._chunks: list[bytes] = []
-        self._length = 0
-
-    def add_part(self, name: str, mesh: TreeMesh, material: Material) -> int:
-        """A mesh with its material as a node; returns the node's index."""
-        attributes = {
-            "POSITION": self._accessor(mesh.positions.astype("<f4"), _FLOAT, "VEC3", bounds=True),
-            "NORMAL": self._accessor(_unit(mesh.normals), _FLOAT, "VEC3"),
-            "TEXCOORD_0": self._accessor(mesh.uvs.astype("<f4"), _FLOAT, "VEC2"),
-        }
-        factor = np.ones(3)
-        if mesh.colors is not None:
-            colors, factor = _quantise(mesh.colors)
-            # Four channels: a vertex attribute starts at a multiple of four bytes.
-            attributes["COLOR_0"] = self._accessor(colors, _UNSIGNED_BYTE, "VEC4", normalized=True)
-        primitive = {
-            "attributes": attributes,
-            "indices": self._indices(mesh),
-            "material": self._material(material, factor),
-        }
-        index = self._add("meshes", {"name": name, "primitives": [primitive]})
-        return self._add("nodes", {"name": name, "mesh": index})
-
-    def finish(self) -> bytes:
+    def encode(self) -> bytes:
         """The whole file."""
-        document = {
-            "asset": {"version": "2.0", "generator": f"flowtree {__version__}"},
-            "scene": 0,
-            "scenes": [{"name": self._lists["nodes"][0]["name"], "nodes": [0]}],
-            **self._lists,
-            "buffers": [{"byteLength": self._length}],
+        asset, builder = self._asset, self._builder
+        first = asset.levels[0]
+        extras = {
+            "height": float(first.height),
+            "leaves": 0 if first.foliage is None else len(first.foliage.position),
         }
-        text = json.dumps(document, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
-        text += b" " * (-len(text) % 4)
-        total = 12 + 8 + len(text) + 8 + self._length
-        check.require(
-            total < 2**32,
-            "tree",
-            "must fit into 4 GiB, the limit of GLB",
-            f"{total} bytes",
-            "use fewer leaves",
-        )
-        return b"".join(
-            [
-                struct.pack("<4sII", b"glTF", 2, total),
-                struct.pack("<I4s", len(text), b"JSON"),
-                text,
-                struct.pack("<I4s", self._length, b"BIN\0"),
-                *self._chunks,
+        below: list[int] = []
+        root = builder.add("nodes", {"name": self._name, "children": below, "extras": extras})
+        parts = [self._level(k) for k in range(len(asset.levels))]
+        cards = [self._card(k, card) for k, card in enumerate(asset.cards, len(asset.levels))]
+        if self._armatures:
+            below += [joints[0] for _, _, joints in self._armatures]
+            chains = [[level["wood"] for level in parts if "wood" in level]]
+            chains += [[level["leaves"] for level in parts if "leaves" in level]]
+            chains[0 if chains[0] else 1] += cards
+            scenes = [[root, *level.values()] for level in parts]
+        elif len(self._steps) == 1:
+            below += parts[0].values()
+            chains, scenes = [], [[root]]
+        else:
+            groups = [
+                builder.add("nodes", {"name": step, "children": list(level.values())})
+                for step, level in zip(self._steps, parts, strict=False)
             ]
-        )
+            below.append(groups[0])
+            chains, scenes = [groups + cards], [[root], *([group] for group in groups[1:])]
+        for chain in chains:
+            self._link(chain)
+        if not below:
+            del builder.entry("nodes", root)["children"]
+        names = [self._name, *self._steps[1:]]
+        for name, nodes in zip(names, scenes + [[card] for card in cards], strict=True):
+            builder.add("scenes", {"name": name, "nodes": nodes})
+        return builder.finish()
 
-    def _add(self, kind: str, entry: dict[str, Any]) -> int:
-        entries = self._lists.setdefault(kind, [])
-        entries.append(entry)
-        return len(entries) - 1
+    def _level(self, k: int) -> dict[str, int]:
+        """The nodes of one level: its wood, its leaves, as far as there are any."""
+        level, step = self._asset.levels[k], self._steps[k]
+        wind = self._asset.winds[k] if self._asset.winds else None
+        skin = None if wind is None or wind.armature is None else self._skin(wind.armature, wind.sway)
+        nodes: dict[str, int] = {}
+        if len(level.wood.triangles):
+            more = wind.wood if wind is not None else None
+            nodes["wood"] = self._parts.add_mesh(
+                f"{step}_wood", level.wood, level.bark, attributes=more, skin=skin
+            )
+        foliage = _grown(level)
+        if foliage is None:
+            return nodes
+        merged = self._leaves[k]
+        if merged is None:
+            nodes["leaves"] = self._parts.add_instances(f"{step}_leaves", foliage)
+        else:
+            more = wind.leaves if wind is not None else None
+            nodes["leaves"] = self._parts.add_mesh(
+                f"{step}_leaves", merged, foliage.material, attributes=more, skin=skin
+            )
+        return nodes
 
-    def _view(self, data: bytes, target: int | None = None) -> int:
-        """A buffer view of its own for the bytes, aligned to four."""
-        entry: dict[str, Any] = {"buffer": 0, "byteOffset": self._length, "byteLength": len(data)}
-        if target is not None:
-            entry["target"] = target
-        padding = -len(data) % 4
-        self._chunks += [data, bytes(padding)]
-        self._length += len(data) + padding
-        return self._add("bufferViews", entry)
+    def _card(self, k: int, card: Card) -> int:
+        node = self._parts.add_mesh(self._steps[k], card.mesh, card.material)
+        self._builder.entry("nodes", node)["extras"] = {"impostor": card.name, "frames": card.frames}
+        return node
 
-    def _accessor(
-        self,
-        values: NDArray[Any],
-        component: int,
-        kind: str,
-        *,
-        bounds: bool = False,
-        normalized: bool = False,
-        target: int = _VERTICES,
-    ) -> int:
-        entry: dict[str, Any] = {
-            "bufferView": self._view(values.tobytes(), target),
-            "componentType": component,
-            "count": len(values),
-            "type": kind,
-        }
-        if normalized:
-            entry["normalized"] = True
-        if bounds:  # of the stored numbers, as doubles: text and back they are the same float32
-            entry |= {"min": values.min(axis=0).tolist(), "max": values.max(axis=0).tolist()}
-        return self._add("accessors", entry)
+    def _skin(self, armature: Armature, sway: Sway | None) -> int:
+        """The skin of a level; levels with the same joints share theirs, and with it the motion."""
+        for other, skin, _ in self._armatures:
+            if np.array_equal(other.points, armature.points) and np.array_equal(
+                other.parent, armature.parent
+            ):
+                return skin
+        skin, joints = add_skin(self._builder, self._steps[len(self._armatures)], armature, self._frame)
+        self._armatures.append((armature, skin, joints))
+        if sway is not None:
+            add_animation(self._builder, sway, joints)
+        return skin
 
-    def _indices(self, mesh: TreeMesh) -> int:
-        flat = mesh.triangles.reshape(-1)
-        if len(mesh.positions) <= _MOST_SHORT_VERTICES:
-            return self._accessor(flat.astype("<u2"), _UNSIGNED_SHORT, "SCALAR", target=_INDICES)
-        return self._accessor(flat.astype("<u4"), _UNSIGNED_INT, "SCALAR", target=_INDICES)
-
-    def _material(self, material: Material, factor: NDArray[np.float64]) -> int:
-        masked = material.alpha_cutoff is not None
-        # A cut-out picture is used once, edge to edge: repeating it would let the far edge shine through.
-        wrap = _CLAMP if masked else _REPEAT
-        surface = {
-            "baseColorTexture": {"index": self._texture(material.name, wrap)},
-            "baseColorFactor": [*factor.tolist(), 1.0],
-            "metallicFactor": 0.0,
-            "roughnessFactor": float(material.roughness),
-        }
-        entry: dict[str, Any] = {"name": material.name, "pbrMetallicRoughness": surface}
-        if material.normal is not None:
-            index = self._texture(f"{material.name}_normal", wrap)
-            entry["normalTexture"] = {"index": index}
-        if masked:
-            entry |= {"alphaMode": "MASK", "alphaCutoff": material.alpha_cutoff}
-        if material.double_sided:
-            entry["doubleSided"] = True
-        return self._add("materials", entry)
-
-    def _texture(self, name: str, wrap: int) -> int:
-        data, media = next(self._pictures)
-        image = self._add("images", {"name": name, "mimeType": media, "bufferView": self._view(data)})
-        sampler = {"magFilter": _LINEAR, "minFilter": _LINEAR_MIPMAP_LINEAR, "wrapS": wrap, "wrapT": wrap}
-        samplers = self._lists.setdefault("samplers", [])
-        if sampler not in samplers:
-            samplers.append(sampler)
-        return self._add("textures", {"sampler": samplers.index(sampler), "source": image})
+    def _link(self, nodes: list[int]) -> None:
+        """Has the first node name the others as its coarser levels (MSFT_lod)."""
+        if len(nodes) < 2:
+            return
+        self._builder.use("MSFT_lod")
+        entry = self._builder.entry("nodes", nodes[0])
+        entry["extensions"] = {"MSFT_lod": {"ids": nodes[1:]}}
+        ends = [_COVERAGE * _COVERAGE_RATIO**k for k in range(len(nodes) - 1)]
+        entry["extras"] = {"MSFT_screencoverage": [*ends, 0.0]}
 
 
-def _pictures(material: Material) -> list[tuple[NDArray[np.uint8], bool]]:
-    """A material's pictures, and of each whether it may lose detail: the colours, then the normals."""
-    masked = material.alpha_cutoff is not None
-    colors = (material.base_color if masked else material.base_color[:, :, :3], not masked)
-    return [colors] if material.normal is None else [colors, (material.normal, False)]
+def _grown(level: TreeModel) -> Foliage | None:
+    """The leaves, if there is anything of them to see."""
+    foliage = level.foliage
+    return foliage if foliage is not None and len(foliage.position) and len(foliage.leaf.triangles) else None
 
 
-def _pack(picture: tuple[NDArray[np.uint8], bool]) -> tuple[bytes, str]:
-    pixels, lossy = picture
-    return encode_texture(pixels, lossy=lossy)
+def _merged(level: TreeModel) -> TreeMesh | None:
+    foliage = _grown(level)
+    return None if foliage is None else merge_leaves(foliage)
 
 
-def _unit(normals: NDArray[np.float32]) -> NDArray[np.float32]:
-    """The normals at length 1 (glTF demands it); one without a direction points up."""
-    length = np.linalg.norm(normals.astype(np.float64), axis=1, keepdims=True)
-    up = np.broadcast_to(np.array([0.0, 1.0, 0.0]), normals.shape).copy()
-    np.divide(normals, length, out=up, where=length > 1e-12)
-    return up.astype("<f4")
+def _materials(asset: TreeAsset) -> list[Material]:
+    """What will be laid on something, in the order in which it is."""
+    used: list[Material] = []
+    for level in asset.levels:
+        used += [level.bark] if len(level.wood.triangles) else []
+        foliage = _grown(level)
+        used += [] if foliage is None else [foliage.material]
+    return used + [card.material for card in asset.cards]
 
 
-def _quantise(colors: NDArray[np.float32]) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
-    """Colours (n, 3) as bytes (n, 4), and the factor (3,) in ``color = factor * byte / 255``."""
-    factor = colors.max(axis=0).astype(np.float64)
-    scale = np.divide(255.0, factor, out=np.zeros(3), where=factor > 0)
-    quantised = np.full((len(colors), 4), 255, np.uint8)
-    quantised[:, :3] = np.rint(colors * scale)
-    return quantised, factor
+def _cube(asset: TreeAsset, leaves: Sequence[TreeMesh | None]) -> Frame:
+    meshes = [level.wood for level in asset.levels] + [card.mesh for card in asset.cards]
+    places = [mesh.positions for mesh in (*meshes, *leaves) if mesh is not None and len(mesh.positions)]
+    # Leaves that are instanced are the only ones that need no frame, and may be all there is.
+    return frame_around(places or [np.zeros((1, 3), np.float32)])

@@ -25,8 +25,8 @@ from flowtree.model.mesh import Material, TreeMesh
 from flowtree.model.tree import TreeModel
 from tests.trees import bare_tree, hand_made_tree, leaf_quad, scatter_leaves, unusual_tree
 
-WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
-KIND = {5121: np.uint8, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
+WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
+KIND = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 
 
 def take_apart(data: bytes) -> tuple[dict[str, Any], bytes]:
@@ -44,10 +44,16 @@ def decode(document: dict[str, Any], buffer: bytes, index: int) -> np.ndarray:
     accessor = document["accessors"][index]
     view = document["bufferViews"][accessor["bufferView"]]
     kind, width = np.dtype(KIND[accessor["componentType"]]), WIDTH[accessor["type"]]
+    stride = view.get("byteStride", kind.itemsize * width)
     assert view["byteOffset"] % 4 == 0
-    assert (kind.itemsize * width) % 4 == 0 or accessor["type"] == "SCALAR"
-    assert view["byteLength"] == accessor["count"] * width * kind.itemsize
-    return np.frombuffer(buffer, kind, accessor["count"] * width, view["byteOffset"]).reshape(-1, width)
+    if view.get("target") == 34962:
+        assert stride % 4 == 0, "vertices lie at multiples of four bytes"
+    assert view["byteLength"] == accessor["count"] * stride
+    shape, strides = (accessor["count"], width), (stride, kind.itemsize)
+    values = np.ndarray(shape, kind, buffer, view["byteOffset"], strides)
+    if not accessor.get("normalized"):
+        return values
+    return np.maximum(values / np.iinfo(kind).max, -1.0)
 
 
 def picture(document: dict[str, Any], buffer: bytes, texture: int) -> np.ndarray:
@@ -103,7 +109,9 @@ def assert_holds(
     np.testing.assert_array_equal(np.array(entry["min"]), mesh.positions.min(axis=0).astype(np.float64))
     np.testing.assert_array_equal(np.array(entry["max"]), mesh.positions.max(axis=0).astype(np.float64))
     np.testing.assert_allclose(decode(document, buffer, attributes["NORMAL"]), mesh.normals, atol=1e-6)
-    np.testing.assert_array_equal(decode(document, buffer, attributes["TEXCOORD_0"]), mesh.uvs)
+    inside = mesh.uvs.min() >= 0 and mesh.uvs.max() <= 1  # then as 16-bit fractions of the picture
+    uvs = decode(document, buffer, attributes["TEXCOORD_0"])
+    np.testing.assert_allclose(uvs, mesh.uvs, rtol=0, atol=0.51 / 65535 if inside else 0)
     indices = decode(document, buffer, primitive["indices"])
     assert indices.dtype == (np.uint16 if len(mesh.positions) < 65536 else np.uint32)
     np.testing.assert_array_equal(indices.reshape(-1, 3), mesh.triangles)
@@ -114,11 +122,9 @@ def assert_holds(
     if mesh.colors is not None:
         factor = np.array(surface["baseColorFactor"][:3])
         decoded = decode(document, buffer, attributes["COLOR_0"])
-        assert (decoded[:, 3] == 255).all()
+        assert (decoded[:, 3] == 1).all()
         # Half a step of a byte, relative to the brightest.
-        np.testing.assert_allclose(
-            decoded[:, :3] / 255 * factor, mesh.colors, atol=0.502 / 255 * factor.max()
-        )
+        np.testing.assert_allclose(decoded[:, :3] * factor, mesh.colors, atol=0.502 / 255 * factor.max())
     else:
         assert "COLOR_0" not in attributes
     pixels = picture(document, buffer, surface["baseColorTexture"]["index"])

@@ -1,0 +1,120 @@
+"""Meshes and the nodes that place them in a GLB."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flowtree.export.glb_builder import INDICES, VERTICES, GlbBuilder
+from flowtree.export.glb_materials import GlbMaterials
+from flowtree.export.glb_vertices import Frame, Packed, pack_vertices
+from flowtree.model.foliage import Foliage
+from flowtree.model.mesh import Material, TreeMesh
+
+# 65535 itself restarts a strip in some graphics interfaces, so glTF forbids it as a 16-bit index.
+_MOST_SHORT_VERTICES = 65535
+_BYTE_JOINTS = 256
+
+
+class GlbParts:
+    """Adds a tree's pieces to a file, all of them exact or all of them quantised in one frame."""
+
+    def __init__(self, builder: GlbBuilder, materials: GlbMaterials, frame: Frame | None) -> None:
+        self._builder = builder
+        self._materials = materials
+        self._frame = frame
+        if frame is not None:
+            builder.use("KHR_mesh_quantization", required=True)
+
+    def add_mesh(
+        self,
+        name: str,
+        mesh: TreeMesh,
+        material: Material | None,
+        *,
+        attributes: Mapping[str, NDArray[Any]] | None = None,
+        skin: int | None = None,
+    ) -> int:
+        """A mesh as a node; returns the node's index.
+
+        Args:
+            name: of both.
+            mesh: with a triangle.
+            material: None for one that is not meant to be seen.
+            attributes: more of its vertices (see `flowtree.model.wind.Wind`); a ``COLOR_0`` among them stands
+                for the mesh's own colours.
+            skin: whose joints move it.
+        """
+        node: dict[str, Any] = {
+            "name": name,
+            "mesh": self._mesh(name, mesh, material, attributes or {}, self._frame),
+        }
+        if skin is not None:
+            node["skin"] = skin  # its joints place it
+        elif self._frame is not None:
+            node["translation"], node["scale"] = self._frame.centre.tolist(), [self._frame.half] * 3
+        return self._builder.add("nodes", node)
+
+    def add_instances(self, name: str, foliage: Foliage) -> int:
+        """Leaves as one leaf and its places (EXT_mesh_gpu_instancing); returns the node's index.
+
+        The extension is required: a reader without it would show a single leaf at the tree's foot.
+        """
+        builder = self._builder
+        builder.use("EXT_mesh_gpu_instancing", required=True)
+        turns = foliage.rotation.astype(np.float64)
+        turns /= np.sqrt((turns**2).sum(axis=1, keepdims=True))
+        places = {
+            "TRANSLATION": builder.accessor(foliage.position.astype(np.float32)),
+            "ROTATION": builder.accessor(turns.astype(np.float32)),
+            "SCALE": builder.accessor(np.repeat(foliage.scale.astype(np.float32)[:, None], 3, axis=1)),
+            # The name under which three.js and Babylon look for an instance's colour.
+            "_COLOR_0": builder.accessor(foliage.color.astype(np.float32)),
+        }
+        instancing = {"EXT_mesh_gpu_instancing": {"attributes": places}}
+        # The frame is the whole tree's, a leaf's own is 1 m long: it stays exact.
+        index = self._mesh(name, foliage.leaf, foliage.material, {}, None)
+        return builder.add("nodes", {"name": name, "mesh": index, "extensions": instancing})
+
+    def _mesh(
+        self,
+        name: str,
+        mesh: TreeMesh,
+        material: Material | None,
+        attributes: Mapping[str, NDArray[Any]],
+        frame: Frame | None,
+    ) -> int:
+        mapped = material is not None and material.normal is not None
+        packed, factor = pack_vertices(mesh, tangents=mapped, frame=frame)
+        if "COLOR_0" in attributes and mesh.colors is not None:
+            factor = mesh.colors.mean(axis=0, dtype=np.float64)
+        packed |= {key: _as_it_is(key, values) for key, values in attributes.items()}
+        primitive: dict[str, Any] = {
+            "attributes": {key: self._attribute(key, each) for key, each in packed.items()},
+            "indices": self._indices(mesh),
+        }
+        if material is not None:
+            primitive["material"] = self._materials.add(material, factor)
+        entry: dict[str, Any] = {"name": name, "primitives": [primitive]}
+        if "COLOR_0" in attributes:  # whoever draws the tree must know that these are no colours
+            entry["extras"] = {"COLOR_0": "wind"}
+        return self._builder.add("meshes", entry)
+
+    def _attribute(self, key: str, packed: Packed) -> int:
+        bounds, normalized = key == "POSITION", packed.normalized
+        return self._builder.accessor(packed.values, target=VERTICES, normalized=normalized, bounds=bounds)
+
+    def _indices(self, mesh: TreeMesh) -> int:
+        short = len(mesh.positions) <= _MOST_SHORT_VERTICES
+        flat = mesh.triangles.reshape(-1).astype(np.uint16 if short else np.uint32)
+        return self._builder.accessor(flat, target=INDICES)
+
+
+def _as_it_is(key: str, values: NDArray[Any]) -> Packed:
+    if key == "JOINTS_0":
+        few = int(values.max()) < _BYTE_JOINTS
+        return Packed(values.astype(np.uint8 if few else np.uint16))
+    return Packed(values, normalized=np.issubdtype(values.dtype, np.integer))
