@@ -344,6 +344,28 @@ class AssetParams(StageParams):
     )
 
 
+class WindParams(StageParams):
+    """Moving in the wind."""
+
+    channels: Literal["none", "attributes", "colors", "godot", "unity", "unreal"] = _choice(
+        "none", "what vertices carry for shaders, and in which engine's layout"
+    )
+    sway: bool = _choice(False, "whether the tree has joints, and a looping motion of them")
+    strength: float = _number(1.0, "of the motion; 1 is a gentle breeze", ge=0, le=5)
+    seconds: float = _number(8.0, "length of the motion's loop", ge=1, le=60, unit="s")
+    joints: int = _number(160, "joints at most", ge=1, le=400)
+
+
+class CollisionParams(StageParams):
+    """Bodies for a physics engine."""
+
+    engine: Literal["none", "godot", "unity", "unreal"] = _choice(
+        "none", "whether to make them, and for which engine to name them"
+    )
+    capsules: int = _number(12, "capsules of stem and thick limbs at most", ge=1, le=16)
+    hull: bool = _choice(True, "whether a convex hull bounds the crown")
+
+
 class RenderParams(StageParams):
     """Pictures of the finished tree."""
 
@@ -377,4 +399,6 @@ class Params(StageParams):
     meshing: MeshingParams = MeshingParams()
     leaves: LeafParams = LeafParams()
     asset: AssetParams = AssetParams()
+    wind: WindParams = WindParams()
+    collision: CollisionParams = CollisionParams()
     render: RenderParams = RenderParams()

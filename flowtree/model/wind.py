@@ -1,4 +1,4 @@
-"""How a tree moves in the wind: weights of the skeleton's nodes, joints, a swaying, and what vertices carry."""
+"""How a tree moves in the wind: weights of its nodes and vertices, joints, and a swaying of the joints."""
 
 from __future__ import annotations
 
@@ -92,8 +92,8 @@ class Wind:
 
     The vertex attributes are ready for a glTF file: by name, as arrays of v rows and as many columns as the
     accessor's type has (1 to 4). float32 is written as it is, uint8 and uint16 as normalised integers, but
-    ``JOINTS_0`` (uint16) as plain ones. Where there is a ``COLOR_0`` it stands in place of the mesh's colours,
-    whose mean then belongs into the material's factor.
+    ``JOINTS_0`` (uint16) as plain ones. Where there is a ``COLOR_0`` it stands in place of the mesh's
+    colours, whose mean then belongs into the material's factor.
 
     Attributes:
         weights: for shaders.

@@ -1,0 +1,1 @@
+"""Solid bodies in the place of a tree, for physics engines."""
