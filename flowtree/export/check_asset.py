@@ -85,10 +85,10 @@ def _check_armature(armature: Armature, sway: Sway | None) -> None:
 
 def _check_collision(collision: Collision) -> None:
     count = len(collision.capsule_radius)
-    reach = {"low": -MOST_METRES, "high": MOST_METRES}
-    check.array(collision.capsule_ends, "capsules' ends", shape=(count, 2, 3), **reach)
+    low, high = -MOST_METRES, MOST_METRES
+    check.array(collision.capsule_ends, "capsules' ends", shape=(count, 2, 3), low=low, high=high)
     check.array(collision.capsule_radius, "capsules' radii", shape=(count,), low=0.0, high=MOST_METRES)
-    hull = check.array(collision.hull_positions, "hull's corners", shape=(None, 3), **reach)
+    hull = check.array(collision.hull_positions, "hull's corners", shape=(None, 3), low=low, high=high)
     most = len(hull) - 1.0
     check.array(
         collision.hull_triangles, "hull's triangles", shape=(None, 3), dtype=np.int32, low=0.0, high=most

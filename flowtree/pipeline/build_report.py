@@ -78,22 +78,63 @@ def build_report(
             photos, mattes, cameras, placements, soft_ious, strict=True
         )
     ]
-    leaves = 0 if tree.foliage is None else len(tree.foliage.position)
+    warnings = [*warnings, *_view_warnings(photos, mattes, cameras, placements, tree.height)]
     return {
         "version": __version__,
         "seed": seed,
         "device": device,
-        "seconds": {name: round(took, 3) for name, took in seconds.items()},
+        "seconds": _rounded(seconds),
         "peak_memory_mb": peak_memory_mb(),
         "views": views,
+        **_tree_figures(tree, watertight),
+        "warnings": warnings,
+    }
+
+
+def growth_report(
+    *,
+    tree: TreeModel,
+    watertight: bool,
+    seconds: Mapping[str, float],
+    seed: int,
+    device: str,
+    warnings: Sequence[str],
+) -> dict[str, Any]:
+    """The same of a tree that was grown on a skeleton: there are no views.
+
+    Args:
+        tree: the result.
+        watertight: whether its wood's surface is closed.
+        seconds: that each stage took.
+        seed: of the run.
+        device: that kernels ran on.
+        warnings: what was repaired.
+    """
+    return {
+        "version": __version__,
+        "seed": seed,
+        "device": device,
+        "seconds": _rounded(seconds),
+        "peak_memory_mb": peak_memory_mb(),
+        "height_m": round(tree.height, 4),
+        **_tree_figures(tree, watertight),
+        "warnings": [*warnings],
+    }
+
+
+def _rounded(seconds: Mapping[str, float]) -> dict[str, float]:
+    return {name: round(took, 3) for name, took in seconds.items()}
+
+
+def _tree_figures(tree: TreeModel, watertight: bool) -> dict[str, Any]:
+    return {
         "skeleton": _skeleton_figures(tree.skeleton),
         "mesh": {
             "triangles": len(tree.wood.triangles),
             "vertices": len(tree.wood.positions),
             "watertight": watertight,
         },
-        "leaves": leaves,
-        "warnings": [*warnings, *_view_warnings(photos, mattes, cameras, placements, tree.height)],
+        "leaves": 0 if tree.foliage is None else len(tree.foliage.position),
     }
 
 
