@@ -261,6 +261,9 @@ class TwigParams(StageParams):
     plagiotropism: float = _number(0.1, "how far twigs bend toward the horizontal", ge=0, le=1)
     rigidity: float = _number(0.92, "1 stands stiff, 0 hangs", ge=0, le=1)
     curl: float = _number(0.1, "how far a twig's tip leaves the straight line", ge=0, le=1, unit="lengths")
+    sketch: str | None = _choice(
+        None, "a drawn twig (.svg, .json, .png) as the example for all, its lowest end at the branch"
+    )
     side_twigs: int = _number(4, "side twigs on a twig of a bare tree", ge=0, le=12)
     radius: float = _number(0.0005, "radius at the base", gt=0, le=0.01, unit="tree heights")
     bearing_particles: int = _number(24, "branches of more particles bear no twigs", ge=1, le=1_000_000)

@@ -146,7 +146,7 @@ def reconstruct(
         ],
         "paint_source": _per_photo(paint, count, "paint"),
     }
-    bark, leaf = params.meshing.bark, params.leaves.picture
+    bark, leaf, twig = params.meshing.bark, params.leaves.picture, params.twigs.sketch
     sources = {
         **{name: tuple(values * views if count == 1 else values) for name, values in given.items()},
         "mirrored": tuple(view >= count for view in range(views)),
@@ -154,6 +154,7 @@ def reconstruct(
         "height": (float(metres),) * views,
         "bark_source": None if bark == "auto" else Path(bark),
         "leaf_source": None if leaf is None else Path(leaf),
+        "twig_source": None if twig is None else Path(twig),
     }
     warnings = _warnings(given["photo_source"], height)
     chosen = pick_device(device)

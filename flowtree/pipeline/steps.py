@@ -24,6 +24,7 @@ from flowtree.branches.da_vinci_radii import da_vinci_radii
 from flowtree.branches.fit_exponent import fit_exponent
 from flowtree.branches.grow_twigs import grow_twigs
 from flowtree.branches.measure_trunk import measure_trunk
+from flowtree.branches.shape_twigs import TwigShapes
 from flowtree.branches.turn_twigs import turn_twigs
 from flowtree.density.solve_density import solve_density
 from flowtree.flow.trace_particles import trace_particles
@@ -58,6 +59,7 @@ from flowtree.photos.straighten_lines import straighten_lines
 from flowtree.photos.straighten_view import straighten_view
 from flowtree.pipeline.compare_views import check_same_tree
 from flowtree.pipeline.photo_steps import Polylines
+from flowtree.pipeline.sketch_twig import sketch_twig
 from flowtree.pipeline.stage import Job
 from flowtree.render.render_mask import render_mask
 from flowtree.render.soft_iou import soft_iou
@@ -231,6 +233,11 @@ def run_leafiness(job: Job, mattes: tuple[Matte, ...], cameras: tuple[Camera, ..
     return judge_leafy(mattes, cameras) if bear == "auto" else bear == "always"
 
 
+def run_sketch(job: Job, source: Path | None) -> TwigShapes | None:
+    """The drawn twig that is the example for all, or nothing."""
+    return sketch_twig(source, params=job.params.twigs, seed=job.seed)
+
+
 def run_twigs(
     job: Job,
     branches: Skeleton,
@@ -238,6 +245,7 @@ def run_twigs(
     mattes: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
     leafy: bool,
+    sketched: TwigShapes | None,
     heights: tuple[float, ...],
 ) -> Skeleton:
     """The skeleton with twigs; of a bare tree the thin branches are turned to where the mattes show them."""
@@ -245,7 +253,15 @@ def run_twigs(
     if not leafy:
         branches = turn_twigs(branches, mattes, cameras, height=height, params=params, seed=job.seed)
     return grow_twigs(
-        branches, volume, mattes, cameras, height=height, leafy=leafy, params=params, seed=job.seed
+        branches,
+        volume,
+        mattes,
+        cameras,
+        height=height,
+        leafy=leafy,
+        shapes=sketched,
+        params=params,
+        seed=job.seed,
     )
 
 

@@ -3,7 +3,7 @@
 Sources, one entry a view: ``photo_source`` (a file or a `Photo`), ``matte_source``, ``trimap_source``,
 ``scribbles_source``, ``strokes_source``, ``marks_source``, ``paint_source`` (a file, what reading it gives,
 or None), ``mirrored`` (whether the view is its photo's mirror image), ``yaw`` [degrees], ``height`` [m].
-One for all: ``bark_source`` and ``leaf_source`` (a picture or None).
+One for all: ``bark_source`` and ``leaf_source`` (a picture or None), ``twig_source`` (a drawing or None).
 """
 
 from __future__ import annotations
@@ -211,9 +211,18 @@ STAGES: tuple[Stage, ...] = (
         share=0.1,
     ),
     Stage(
+        name="sketch",
+        run=_late("run_sketch"),
+        inputs=("twig_source",),
+        outputs=("sketched_twig",),
+        params=("twigs",),
+        seeded=True,
+        share=0.01,
+    ),
+    Stage(
         name="twigs",
         run=_late("run_twigs"),
-        inputs=("branches", "volume", "mattes", "cameras", "leafy", "height"),
+        inputs=("branches", "volume", "mattes", "cameras", "leafy", "sketched_twig", "height"),
         outputs=("skeleton",),
         params=("twigs",),
         seeded=True,
