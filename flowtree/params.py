@@ -365,8 +365,16 @@ class CollisionParams(StageParams):
     engine: Literal["none", "godot", "unity", "unreal"] = _choice(
         "none", "whether to make them, and for which engine to name them"
     )
-    capsules: int = _number(12, "capsules of stem and thick limbs at most", ge=1, le=16)
+    capsules: int = _number(16, "capsules of stem and thick limbs at most", ge=1, le=64)
     hull: bool = _choice(True, "whether a convex hull bounds the crown")
+
+
+class ExportParams(StageParams):
+    """The file of a finished tree."""
+
+    quantise: bool = _choice(False, "fewer bits for places and directions, for programs that read them (GLB)")
+    instanced: bool = _choice(False, "one leaf and its places instead of all leaves, for programs that do")
+    separate_levels: bool = _choice(False, "a file for each level of detail, named NAME_LOD0, NAME_LOD1, …")
 
 
 class RenderParams(StageParams):
@@ -404,4 +412,5 @@ class Params(StageParams):
     asset: AssetParams = AssetParams()
     wind: WindParams = WindParams()
     collision: CollisionParams = CollisionParams()
+    export: ExportParams = ExportParams()
     render: RenderParams = RenderParams()

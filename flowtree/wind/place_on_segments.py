@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree import check
+from flowtree.geometry.polylines import nearest_on_segments
 from flowtree.model.skeleton import Skeleton
 
 
@@ -19,7 +20,7 @@ def place_on_segments(
         node: (v,) which segment carries each point.
         positions: (v, 3) [m]; points beside their segment count as the nearest place on it.
 
-    Returns: (v,) float32 in 0..1; 1 on the root, whose segment has no length.
+    Returns: (v,) float32 in 0..1; 0 on segments without length.
 
     Raises:
         InputError: a node that the skeleton has not, or not one for each point.
@@ -27,11 +28,6 @@ def place_on_segments(
     known = check.array(
         node, "carrying nodes", shape=(len(positions),), dtype=np.int32, low=0, high=len(skeleton.parent) - 1
     )
-    end = skeleton.points[known].astype(np.float64)
-    start = skeleton.points[np.maximum(skeleton.parent[known], 0)].astype(np.float64)
-    axis = end - start
-    square = np.sum(axis * axis, axis=1)
-    reach = np.sum((positions - start) * axis, axis=1)
-    share = np.divide(reach, square, out=np.ones(len(known)), where=square > 0)
-    inside: NDArray[np.float32] = np.clip(share, 0.0, 1.0).astype(np.float32)
-    return inside
+    above = np.maximum(skeleton.parent[known], 0)
+    share, _ = nearest_on_segments(positions, skeleton.points[above], skeleton.points[known])
+    return share.astype(np.float32)
