@@ -324,6 +324,9 @@ class LeafParams(StageParams):
     angle: float = _number(55.0, "angle between twig and leaf", ge=0, le=120, unit="degrees")
     plagiotropism: float = _number(0.55, "how strictly leaves turn their upper side to the sky", ge=0, le=1)
     hang: float = _number(0.25, "how far leaves hang", ge=0, le=3)
+    rounding: float = _number(
+        0.5, "how far normals turn out of the crown, which shades it as one soft body", ge=0, le=1
+    )
     color: str = _choice("auto", "of leaves that no photo shows, as #rrggbb; auto goes by the shape")
     color_variation: float = _number(0.12, "relative variation of brightness from leaf to leaf", ge=0, le=1)
     bearing_particles: int = _number(2, "branches of more particles bear no leaves", ge=1, le=1000)

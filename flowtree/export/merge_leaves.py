@@ -5,24 +5,22 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from flowtree.geometry.outward_directions import outward_directions
 from flowtree.model.foliage import Foliage
 from flowtree.model.mesh import TreeMesh
 
-# Half the leaf's own normal, half the crown's outward direction: the crown is shaded as one soft body, as a
-# real one is by light that passes through its leaves, and single leaves still glitter.
-CROWN_SHARE = 0.5
 
-
-def merge_leaves(foliage: Foliage, *, crown_share: float = CROWN_SHARE) -> TreeMesh:
+def merge_leaves(foliage: Foliage) -> TreeMesh:
     """Places every leaf and joins them: leaf k owns the k-th run of vertices and of triangles.
 
-    The normals are bent toward the direction that leads out of the crown, away from the mean of the leaves'
-    places, on the side of the leaf that looks there; the other side, whose normal a renderer flips, looks
-    outward too when it is seen from outside. A normal never leaves the half space of its own side.
+    The normals are bent toward the direction that leads out of the crown (`outward_directions`) by
+    ``foliage.rounding``, on the side of the leaf that looks there; the other side, whose normal a renderer
+    flips, looks outward too when it is seen from outside. So the crown is shaded as one soft body, as a real
+    one is by light that passes through its leaves, and single leaves still glitter. A normal never leaves the
+    half space of its own side.
 
     Args:
         foliage: n leaves of m vertices.
-        crown_share: of the outward direction in the normals; 0 keeps the leaves' own.
 
     Returns:
         n * m vertices, world frame [m], with colours (leaf's times the shape's own, linear), the leaf's node,
@@ -33,8 +31,8 @@ def merge_leaves(foliage: Foliage, *, crown_share: float = CROWN_SHARE) -> TreeM
     positions = _rotate(axes * foliage.scale.astype(np.float32)[:, None, None], leaf.positions)
     positions += foliage.position[:, None, :]
     normals = _rotate(axes, leaf.normals)
-    if crown_share and count:
-        _bend_outward(normals, _centres(positions), crown_share)
+    if foliage.rounding and count:
+        _bend_outward(normals, _centres(positions), foliage.rounding)
     first = np.arange(count, dtype=np.int32) * np.int32(len(leaf.positions))
     triangles = leaf.triangles[None, :, :] + first[:, None, None]
     colors = np.repeat(foliage.color.astype(np.float32)[:, None, :], len(leaf.positions), axis=1)
@@ -87,9 +85,9 @@ def _centres(positions: NDArray[np.float32]) -> NDArray[np.float32]:
 
 def _bend_outward(normals: NDArray[np.float32], centres: NDArray[np.float32], share: float) -> None:
     """Bends the normals (n, m, 3) in place; those of a leaf at the very centre stay."""
-    outward = centres - centres.mean(axis=0, dtype=np.float64).astype(np.float32)
-    length = np.linalg.norm(outward, axis=1, keepdims=True)
-    outward = np.divide(outward, length, out=np.zeros_like(outward), where=length > 1e-6)
+    outward = outward_directions(centres)
+    if not outward.any():
+        return
     own = (normals * outward[:, None, :]).sum(axis=2, dtype=np.float32)
     # The side is chosen for the whole leaf, so that its shading has no break.
     side = np.where(own.sum(axis=1) < 0, np.float32(-1), np.float32(1))

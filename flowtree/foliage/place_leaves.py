@@ -128,6 +128,7 @@ def place_leaves(
             places.centre, mattes, colors, cameras, variation=params.color_variation, seed=seed
         ),
         node=places.node.astype(np.int32),
+        rounding=params.rounding,
     )
 
 

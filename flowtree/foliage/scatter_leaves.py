@@ -72,4 +72,5 @@ def scatter_leaves(
             seed=seed,
         ),
         node=places.node.astype(np.int32),
+        rounding=params.rounding,
     )

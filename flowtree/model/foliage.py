@@ -22,6 +22,7 @@ class Foliage:
         scale: (n,) float32, the leaf's length [m].
         color: (n, 3) float32 in 0..1, linear, multiplied with the texture.
         node: (n,) int32, the skeleton node whose segment carries the leaf.
+        rounding: 0..1, how much of the leaves' normals is the way out of the crown where they are shaded.
     """
 
     leaf: TreeMesh
@@ -31,3 +32,4 @@ class Foliage:
     scale: NDArray[np.float32]
     color: NDArray[np.float32]
     node: NDArray[np.int32]
+    rounding: float = 0.5

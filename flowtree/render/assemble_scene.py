@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree import check
+from flowtree.geometry.outward_directions import outward_directions
 from flowtree.model.foliage import Foliage
 from flowtree.model.mesh import Material, TreeMesh
 from flowtree.model.tree import TreeModel
@@ -120,7 +121,20 @@ def _place_leaves(leaves: Foliage) -> tuple[NDArray[np.float32], NDArray[np.floa
             out[axis] += np.multiply.outer(c, of[:, 2])
         placed[axis] *= leaves.scale[:, None]
         placed[axis] += leaves.position[:, axis, None]
+    _round(turned, placed.mean(axis=2, dtype=np.float64).T, leaves.rounding)
     return placed.reshape(3, -1), turned.reshape(3, -1)
+
+
+def _round(normals: NDArray[np.float32], centres: NDArray[np.float64], share: float) -> None:
+    """Bends the normals (3, leaves, corners) in place toward the way out of the crown, as a file has them."""
+    outward = outward_directions(centres).T[:, :, None]
+    if not share or not outward.any():
+        return
+    own = (normals * outward).sum(axis=0).sum(axis=1)
+    side = np.where(own < 0, np.float32(-share), np.float32(share))
+    bent = np.float32(1 - share) * normals + side[:, None] * outward
+    length = np.sqrt((bent * bent).sum(axis=0))
+    np.divide(bent, length, out=normals, where=length > 1e-3)
 
 
 def _check_mesh(mesh: TreeMesh, thing: str) -> None:

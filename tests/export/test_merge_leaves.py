@@ -10,8 +10,14 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from flowtree.export.merge_leaves import merge_leaves
+from flowtree.geometry.outward_directions import outward_directions
 from flowtree.model.foliage import Foliage
+from flowtree.model.mesh import TreeMesh
 from tests.trees import hand_made_skeleton, scatter_leaves
+
+
+def rounded(foliage: Foliage, share: float) -> TreeMesh:
+    return merge_leaves(dataclasses.replace(foliage, rounding=share))
 
 
 def leaves(count: int, seed: int) -> Foliage:
@@ -22,7 +28,7 @@ def leaves(count: int, seed: int) -> Foliage:
 @given(count=st.integers(1, 30), seed=st.integers(0, 1000))
 def test_merging_all_equals_placing_each(count: int, seed: int) -> None:
     foliage = leaves(count, seed)
-    merged = merge_leaves(foliage, crown_share=0.0)
+    merged = merge_leaves(dataclasses.replace(foliage, rounding=0.0))
     size = len(foliage.leaf.positions)
     for k in range(count):
         turn = Rotation.from_quat(foliage.rotation[k].astype(np.float64)).as_matrix()
@@ -39,7 +45,7 @@ def test_merging_all_equals_placing_each(count: int, seed: int) -> None:
 @given(count=st.integers(1, 60), seed=st.integers(0, 1000), share=st.floats(0, 1))
 def test_bent_normals_are_unit_and_stay_on_their_side(count: int, seed: int, share: float) -> None:
     foliage = leaves(count, seed)
-    own, bent = (merge_leaves(foliage, crown_share=value).normals for value in (0.0, share))
+    own, bent = (rounded(foliage, value).normals for value in (0.0, share))
     np.testing.assert_allclose(np.linalg.norm(bent, axis=1), 1.0, atol=1e-5)
     assert ((own * bent).sum(axis=1) > -1e-5).all()
 
@@ -48,8 +54,8 @@ def test_normals_seen_from_outside_look_outward() -> None:
     foliage = leaves(400, 0)
     merged = merge_leaves(foliage)
     places = merged.positions.reshape(400, 4, 3).mean(axis=1)
-    outward = places - places.mean(axis=0)
-    normals, own = merged.normals.reshape(400, 4, 3)[:, 0], merge_leaves(foliage, crown_share=0).normals[::4]
+    outward = outward_directions(places)
+    normals, own = merged.normals.reshape(400, 4, 3)[:, 0], rounded(foliage, 0.0).normals[::4]
     # A renderer flips the normal of a side seen from behind.
     seen = np.where(((own * outward).sum(axis=1) < 0)[:, None], -normals, normals)
     own_seen = np.where(((own * outward).sum(axis=1) < 0)[:, None], -own, own)
@@ -60,9 +66,7 @@ def test_normals_seen_from_outside_look_outward() -> None:
 
 def test_one_leaf_is_left_as_it_is() -> None:
     foliage = leaves(1, 5)
-    np.testing.assert_array_equal(
-        merge_leaves(foliage).normals, merge_leaves(foliage, crown_share=0.0).normals
-    )
+    np.testing.assert_array_equal(merge_leaves(foliage).normals, rounded(foliage, 0.0).normals)
 
 
 def test_colours_of_the_shape_and_of_the_leaf_multiply() -> None:
