@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
-from flowtree.geometry.cover_canvas import FINE, CoverCanvas
+from flowtree import device as devices
+from flowtree.geometry.cover_canvas import CoverCanvas
+from flowtree.kernels import choose_cover as kernels
 
 _SWEEPS = 4
-_NONE = -1
 
 
 def choose_cover(
@@ -49,25 +50,21 @@ def choose_cover(
 
     Returns: (n,) which stay.
     """
+    if not len(batch):
+        return np.zeros(0, np.bool_)
     loop = _Loop(canvases, covers, batch, 1)
-    chosen = np.full(loop.count, _NONE) if start is None else np.where(start, 0, _NONE)[loop.order]
-    luck, likely = chance[loop.order], None if weight is None else weight[loop.order]
-    worth, least = np.zeros(loop.count, np.float32), 0.0
-    loop.put(chosen)
+    there = np.zeros(len(batch), np.int32) if start is None else start[loop.order].astype(np.int32)
+    loop.put(np.where(there, 0, -1))
+    gain, least = np.zeros(len(batch), np.float32), 0.0
+    luck = chance[loop.order].astype(np.float32)
+    likely = np.ones_like(luck) if weight is None else weight[loop.order].astype(np.float32)
     for sweep in range(sweeps):
-        for part in loop.parts:
-            loop.take(part, chosen[part])
-            gain, seen = loop.gains(part)
-            worth[part] = gain[:, 0]
-            better = worth[part] > least
-            share = loop.room(part, np.where(better, 0, _NONE), seen)
-            if likely is not None and sweep < sweeps - 2:
-                share *= likely[part]
-            chosen[part] = np.where(better & (luck[part] < share), 0, _NONE)
-            loop.put(chosen[part], part)
-        least = max(least, _least_worth(worth[chosen == 0], most))
-    kept = np.zeros(loop.count, np.bool_)
-    kept[loop.order] = (chosen == 0) & (worth > least)
+        factor = likely if sweep < sweeps - 2 else np.ones_like(luck)
+        inputs = [loop.table, loop.batch, _over(luck), _over(factor), least]
+        loop.launch(kernels.sweep_cover, inputs, [loop.state, _over(there), _over(gain)])
+        least = max(least, _least_worth(gain[there != 0], most))
+    kept = np.zeros(len(batch), np.bool_)
+    kept[loop.order] = (there != 0) & (gain > least)
     return kept
 
 
@@ -99,32 +96,29 @@ def choose_poses(
 
     Returns: (n,) the pose, -1 where a thing does harm in every pose.
     """
+    if not len(batch):
+        return np.zeros(0, np.int64)
     loop = _Loop(canvases, covers, batch, poses)
-    chosen = np.zeros(loop.count, np.int64)
-    loop.put(chosen)
+    pose = np.zeros(len(batch), np.int32)
+    loop.put(pose)
     for _ in range(sweeps):
-        for part in loop.parts:
-            loop.take(part, chosen[part])
-            gain, _ = loop.gains(part)
-            best = np.argmax(gain, axis=1)
-            most = gain[np.arange(len(gain)), best]
-            own = gain[np.arange(len(gain)), np.maximum(chosen[part], 0)]
-            now = np.where(chosen[part] >= 0, own, 0.0)
-            moves = (now < contented * most) | ((now < 0.0) & (most <= 0.0))
-            chosen[part] = np.where(moves, np.where(most > 0.0, best, _NONE), chosen[part])
-            loop.put(chosen[part], part)
-    result = np.empty(loop.count, np.int64)
-    result[loop.order] = chosen
+        loop.launch(kernels.sweep_poses, [loop.table, loop.batch, contented], [loop.state, _over(pose)])
+    result = np.empty(len(batch), np.int64)
+    result[loop.order] = pose
     return result
 
 
 class _Loop:
-    """What is rendered, and what a batch of things would change; things are kept in the batches' order.
+    """What things cover and what is rendered, as the kernels take it; in the batches' order.
+
+    They run on one core of the processor, whatever the device: each batch waits for the one before, and the
+    other cores have other stages to do.
 
     Attributes:
-        count: of the things.
-        order: (n,) their old numbers.
-        parts: the batches.
+        order: (n,) the things' old numbers.
+        batch: where each batch begins.
+        table: what the things cover.
+        state: what is rendered.
     """
 
     def __init__(
@@ -134,144 +128,80 @@ class _Loop:
         batch: NDArray[np.integer],
         poses: int,
     ) -> None:
-        self.count, self._poses, self._canvases = len(batch), poses, canvases
         self.order = np.argsort(batch, kind="stable")
-        last = np.cumsum(np.bincount(batch, minlength=1))
-        self.parts = [slice(int(a), int(b)) for a, b in zip([0, *last[:-1]], last, strict=True) if b > a]
+        self.batch = _over(np.append(0, np.cumsum(np.bincount(batch))).astype(np.int32))
         rows = (self.order[:, None] * poses + np.arange(poses)).ravel()
-        self._views = [_View(canvas, cover[rows]) for canvas, cover in zip(canvases, covers, strict=True)]
+        # A batch's rows side by side in memory: scattered, each would be waited for.
+        self._covers = [cover[rows] for cover in covers]
+        self.table = _list_covers(canvases, self._covers, poses)
+        self._canvases = canvases
+        self.state = kernels.CoverState()
 
-    def put(self, chosen: NDArray[np.int64], part: slice | None = None) -> None:
-        """Stands the chosen things of a batch (of all, without one) onto the canvases."""
-        self._change(chosen, part, 1.0)
+    def put(self, pose: NDArray[np.integer]) -> None:
+        """Renders all things in the given poses (n,), -1 for those that are not there."""
+        present = np.zeros((len(pose), self.table.poses), np.float32)
+        there = np.flatnonzero(pose >= 0)
+        present[there, pose[there]] = 1.0
+        depths, clears, wrongs = [], [], []
+        for canvas, cover in zip(self._canvases, self._covers, strict=True):
+            deepen = sparse.csr_array((-np.log1p(-cover.data), cover.indices, cover.indptr), cover.shape)
+            depth = canvas.depth + deepen.T @ present.ravel()
+            depth[-1] = np.inf  # beside the picture nothing can be gained
+            clear = np.exp(-depth)
+            wrong = (canvas.wanted - 1.0 + canvas.cell_means(clear)) * canvas.known
+            depths.append(depth)
+            clears.append(clear)
+            wrongs.append(np.append(wrong, 0.0))
+        lists = {"depth": depths, "clear": clears, "wrong": wrongs, "together": wrongs}
+        for name, parts in lists.items():
+            setattr(self.state, name, _over(np.concatenate(parts).astype(np.float32)))
+        self.state.shown = _over(np.empty(present.size * len(depths), np.float32))
 
-    def take(self, part: slice, chosen: NDArray[np.int64]) -> None:
-        """Takes a batch's chosen things away."""
-        self._change(chosen, part, -1.0)
-
-    def _change(self, chosen: NDArray[np.int64], part: slice | None, sign: float) -> None:
-        present = self._present(chosen) * np.float32(sign)
-        for view in self._views:
-            view.depth += view.cut(self._rows(part)).deepen @ present
-
-    def gains(self, part: slice) -> tuple[NDArray[np.float32], list[_Seen]]:
-        """By how much each pose (n, poses) of a batch would lower the squared error; and what is seen."""
-        rows = self._rows(part)
-        gain = np.zeros(rows.stop - rows.start, np.float32)
-        seen = []
-        for view in self._views:
-            clear = view.clear()
-            wrong = view.error(clear)
-            shown, useful = (view.cut(rows).cover @ _pair(clear, view.canvas.spread(wrong))).T
-            gain += 2 * useful - view.focus[rows] * shown**2 / np.float32(FINE**2)
-            seen.append(_Seen(clear, wrong, shown))
-        return gain.reshape(-1, self._poses), seen
-
-    def room(self, part: slice, chosen: NDArray[np.int64], seen: list[_Seen]) -> NDArray[np.float32]:
-        """The share of a batch's wishes that the cells have room for where each thing stands: (n,)."""
-        rows = self._rows(part)
-        present = self._present(chosen)
-        total = np.zeros(len(chosen), np.float32)
-        for view, now in zip(self._views, seen, strict=True):
-            cut = view.cut(rows)
-            wished = view.canvas.cell_means(np.asarray(cut.stand @ present, np.float32) * now.clear)
-            share = np.asarray(np.clip(now.wrong / np.maximum(wished, 1e-9), 0.0, 1.0), np.float32)
-            fits = cut.cover @ (now.clear * view.canvas.spread(share))
-            total += np.divide(fits, now.shown, out=np.zeros_like(total), where=now.shown > 0)
-        return np.asarray(total / len(self._views), np.float32)
-
-    def _rows(self, part: slice | None) -> slice:
-        part = slice(0, self.count) if part is None else part
-        return slice(part.start * self._poses, part.stop * self._poses)
-
-    def _present(self, chosen: NDArray[np.int64]) -> NDArray[np.float32]:
-        present = np.zeros((len(chosen), self._poses), np.float32)
-        there = np.flatnonzero(chosen >= 0)
-        present[there, chosen[there]] = 1.0
-        return present.ravel()
+    @staticmethod
+    def launch(kernel: Any, inputs: Sequence[Any], outputs: Sequence[Any]) -> None:
+        """One sweep over all batches."""
+        devices.launch(kernel, 1, inputs, outputs, device="cpu")
 
 
-class _View:
-    """One view of the loop.
-
-    Attributes:
-        canvas: with what stands there anyway.
-        cover: (rows, pixels + 1).
-        depths: the same as optical depths.
-        focus: (rows,) sum of squares of a row's shares of the cells: 1 where all of it lies in one cell.
-        depth: (pixels + 1,) float32 of all that is rendered.
-    """
-
-    def __init__(self, canvas: CoverCanvas, cover: sparse.csr_array) -> None:
-        self.canvas, self.cover = canvas, cover
-        self.depths = sparse.csr_array((-np.log1p(-cover.data), cover.indices, cover.indptr), cover.shape)
-        cells = sparse.csr_array(
-            (cover.data.copy(), canvas.cell_index(cover.indices), cover.indptr.copy()),
-            shape=(cover.shape[0], canvas.grid.columns * canvas.grid.rows + 1),
-        )
-        cells.sum_duplicates()
-        total = np.asarray(cells.sum(axis=1)).ravel()
-        cells.data **= 2
-        self.focus = np.asarray(cells.sum(axis=1)).ravel() / np.maximum(total, np.float32(1e-9)) ** 2
-        self.depth = canvas.depth.copy()
-        self._cuts: dict[tuple[int, int], _Cut] = {}
-
-    def cut(self, rows: slice) -> _Cut:
-        """Some successive rows; each batch comes up again in every sweep."""
-        known = self._cuts.get((rows.start, rows.stop))
-        if known is None:
-            cover = _cut(self.cover, rows)
-            known = _Cut(cover, cover.T, _cut(self.depths, rows).T)
-            self._cuts[rows.start, rows.stop] = known
-        return known
-
-    def clear(self) -> NDArray[np.float32]:
-        """Transparency (pixels + 1,); 0 beside the canvas, where nothing can be gained."""
-        clear: NDArray[np.float32] = np.exp(-self.depth)
-        clear[-1] = 0.0
-        return clear
-
-    def error(self, clear: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Wanted alpha less the rendered one (columns, rows), where anything is known."""
-        return np.asarray(
-            (self.canvas.wanted - 1.0 + self.canvas.cell_means(clear)) * self.canvas.known, np.float32
-        )
+def _over(values: NDArray[Any]) -> Any:
+    """The values as a kernel takes them, in the same memory."""
+    return devices.hand_over(values, int if values.dtype == np.int32 else float, "cpu")
 
 
-class _Cut(NamedTuple):
-    """A batch's rows of a view as the products take them: making a sparse matrix costs as much as a product.
-
-    cover: (rows, pixels + 1).
-    stand: (pixels + 1, rows), the same.
-    deepen: (pixels + 1, rows) as optical depths.
-    """
-
-    cover: sparse.csr_array
-    stand: sparse.csc_array
-    deepen: sparse.csc_array
-
-
-class _Seen(NamedTuple):
-    """A view without a batch: transparency, error of the cells, and what each thing of it would show."""
-
-    clear: NDArray[np.float32]
-    wrong: NDArray[np.float32]
-    shown: NDArray[np.float32]
-
-
-def _pair(clear: NDArray[np.float32], wrong: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Transparency, and transparency times error, side by side: (pixels + 1, 2)."""
-    both = np.empty((len(clear), 2), np.float32)
-    both[:, 0] = clear
-    np.multiply(clear, wrong, out=both[:, 1])
-    return both
+def _list_covers(canvases: Sequence[CoverCanvas], covers: Sequence[sparse.csr_array], poses: int) -> Any:
+    """The rows of all views, one view after the other; so stand their pixels and cells."""
+    views = list(zip(canvases, covers, strict=True))
+    cells = [canvas.cell_index(cover.indices) for canvas, cover in views]
+    share = np.concatenate([cover.data for cover in covers])
+    lists = {
+        "start": np.append(0, np.cumsum(np.concatenate([np.diff(cover.indptr) for cover in covers]))),
+        "pixel": _one_after_another([c.indices for c in covers], [len(c.depth) for c in canvases]),
+        "cell": _one_after_another(cells, [canvas.wanted.size + 1 for canvas in canvases]),
+        "share": share,
+        "depth": -np.log1p(-share),
+        "focus": np.concatenate([_focus(cover, cell) for cover, cell in zip(covers, cells, strict=True)]),
+        "known": np.concatenate([np.append(canvas.known, 0.0) for canvas in canvases]),
+    }
+    table = kernels.CoverViews()
+    table.views, table.poses = len(views), poses
+    for name, values in lists.items():
+        kind = np.int32 if np.issubdtype(values.dtype, np.integer) else np.float32
+        setattr(table, name, _over(np.ascontiguousarray(values, kind)))
+    return table
 
 
-def _cut(matrix: sparse.csr_array, rows: slice) -> sparse.csr_array:
-    """Some successive rows, without a copy."""
-    first, last = matrix.indptr[rows.start], matrix.indptr[rows.stop]
-    bounds = matrix.indptr[rows.start : rows.stop + 1] - first
-    count = rows.stop - rows.start
-    return sparse.csr_array(
-        (matrix.data[first:last], matrix.indices[first:last], bounds), shape=(count, matrix.shape[1])
-    )
+def _one_after_another(numbers: Sequence[NDArray[np.int32]], counts: Sequence[int]) -> NDArray[np.int32]:
+    """The views' numbers as those of all views, of which each has so many."""
+    before = np.cumsum([0, *counts[:-1]])
+    return np.concatenate([own + np.int32(first) for own, first in zip(numbers, before, strict=True)])
+
+
+def _focus(cover: sparse.csr_array, cell: NDArray[np.int32]) -> NDArray[np.float32]:
+    """Sum of squares of each row's shares of the cells (rows,): 1 where all of it lies in one cell."""
+    shape = (cover.shape[0], int(cell.max(initial=0)) + 1)
+    shares = sparse.csr_array((cover.data.copy(), cell.copy(), cover.indptr.copy()), shape)
+    shares.sum_duplicates()
+    total = np.asarray(shares.sum(axis=1)).ravel()
+    shares.data **= 2
+    squares = np.asarray(shares.sum(axis=1)).ravel()
+    return np.asarray(squares / np.maximum(total, np.float32(1e-9)) ** 2, np.float32)

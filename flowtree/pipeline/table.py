@@ -226,6 +226,7 @@ STAGES: tuple[Stage, ...] = (
         outputs=("skeleton",),
         params=("twigs",),
         seeded=True,
+        kernels=("choose_cover",),
         share=0.2,
     ),
     Stage(
@@ -253,6 +254,7 @@ STAGES: tuple[Stage, ...] = (
         outputs=("foliage",),
         params=("leaves",),
         seeded=True,
+        kernels=("choose_cover",),
         share=0.4,
     ),
     Stage(
