@@ -19,10 +19,11 @@ def check_asset(asset: TreeAsset) -> None:
     """Refuses an asset that would make a broken file.
 
     Raises:
-        InputError: no level, a broken one (see `check_tree`), a card without a triangle, a wind for some
-            levels only or for other vertices, joints that do not come parents first, NaN anywhere.
+        InputError: neither level nor card, a broken one (see `check_tree`), a card without a triangle, a wind
+            for some levels only or for other vertices, joints that do not come parents first, NaN anywhere.
     """
-    check.require(bool(asset.levels), "tree", "needs a level", "none", "build the finest one at least")
+    something = bool(asset.levels) or bool(asset.cards)
+    check.require(something, "tree", "needs a level or a card", "neither", "build the finest level at least")
     for level in asset.levels:
         check_tree(level)
     for card in asset.cards:

@@ -33,7 +33,7 @@ class GlbParts:
         self,
         name: str,
         mesh: TreeMesh,
-        material: Material | None,
+        material: Material,
         *,
         attributes: Mapping[str, NDArray[Any]] | None = None,
         skin: int | None = None,
@@ -43,7 +43,7 @@ class GlbParts:
         Args:
             name: of both.
             mesh: with a triangle.
-            material: None for one that is not meant to be seen.
+            material: of all of it.
             attributes: more of its vertices (see `flowtree.model.wind.Wind`); a ``COLOR_0`` among them stands
                 for the mesh's own colours.
             skin: whose joints move it.
@@ -79,25 +79,32 @@ class GlbParts:
         index = self._mesh(name, foliage.leaf, foliage.material, {}, None)
         return builder.add("nodes", {"name": name, "mesh": index, "extensions": instancing})
 
+    def add_body(self, name: str, positions: NDArray[np.float32], triangles: NDArray[np.int32]) -> int:
+        """A solid body, which is not meant to be seen, as a node; returns the node's index."""
+        primitive = {
+            "attributes": {"POSITION": self._attribute("POSITION", Packed(positions.astype(np.float32)))},
+            "indices": self._indices(triangles, len(positions)),
+        }
+        index = self._builder.add("meshes", {"name": name, "primitives": [primitive]})
+        return self._builder.add("nodes", {"name": name, "mesh": index, "extras": {"collision": True}})
+
     def _mesh(
         self,
         name: str,
         mesh: TreeMesh,
-        material: Material | None,
+        material: Material,
         attributes: Mapping[str, NDArray[Any]],
         frame: Frame | None,
     ) -> int:
-        mapped = material is not None and material.normal is not None
-        packed, factor = pack_vertices(mesh, tangents=mapped, frame=frame)
+        packed, factor = pack_vertices(mesh, tangents=material.normal is not None, frame=frame)
         if "COLOR_0" in attributes and mesh.colors is not None:
             factor = mesh.colors.mean(axis=0, dtype=np.float64)
         packed |= {key: _as_it_is(key, values) for key, values in attributes.items()}
         primitive: dict[str, Any] = {
             "attributes": {key: self._attribute(key, each) for key, each in packed.items()},
-            "indices": self._indices(mesh),
+            "indices": self._indices(mesh.triangles, len(mesh.positions)),
+            "material": self._materials.add(material, factor),
         }
-        if material is not None:
-            primitive["material"] = self._materials.add(material, factor)
         entry: dict[str, Any] = {"name": name, "primitives": [primitive]}
         if "COLOR_0" in attributes:  # whoever draws the tree must know that these are no colours
             entry["extras"] = {"COLOR_0": "wind"}
@@ -107,9 +114,9 @@ class GlbParts:
         bounds, normalized = key == "POSITION", packed.normalized
         return self._builder.accessor(packed.values, target=VERTICES, normalized=normalized, bounds=bounds)
 
-    def _indices(self, mesh: TreeMesh) -> int:
-        short = len(mesh.positions) <= _MOST_SHORT_VERTICES
-        flat = mesh.triangles.reshape(-1).astype(np.uint16 if short else np.uint32)
+    def _indices(self, triangles: NDArray[np.int32], count: int) -> int:
+        short = count <= _MOST_SHORT_VERTICES
+        flat = triangles.reshape(-1).astype(np.uint16 if short else np.uint32)
         return self._builder.accessor(flat, target=INDICES)
 
 

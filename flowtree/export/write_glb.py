@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from flowtree.export.glb_parts import GlbParts
 from flowtree.export.glb_skin import add_animation, add_skin
 from flowtree.export.glb_vertices import Frame, frame_around
 from flowtree.export.merge_leaves import merge_leaves
+from flowtree.export.name_bodies import name_bodies
 from flowtree.files import write_whole
 from flowtree.model.asset import Card, TreeAsset
 from flowtree.model.foliage import Foliage
@@ -32,6 +34,7 @@ def write_glb(
     *,
     quantise: bool = False,
     instanced: bool = False,
+    engine: str = "godot",
 ) -> None:
     """Writes a tree as binary glTF: metres, y up, the foot at the origin (glTF 2.0, section 3.4).
 
@@ -41,7 +44,7 @@ def write_glb(
         InputError: the tree is broken (see `check_asset`) or larger than the format allows.
         OutputError: the file could not be written; what stood there is untouched.
     """
-    write_whole(path, encode_glb(tree, quantise=quantise, instanced=instanced))
+    write_whole(path, encode_glb(tree, quantise=quantise, instanced=instanced, engine=engine))
 
 
 def encode_glb(
@@ -49,6 +52,7 @@ def encode_glb(
     *,
     quantise: bool = False,
     instanced: bool = False,
+    engine: str = "godot",
 ) -> bytes:
     """The bytes of the GLB file; the same tree always gives the same ones.
 
@@ -66,10 +70,11 @@ def encode_glb(
         quantise: store places as 16-bit and directions as 8-bit fractions (KHR_mesh_quantization): half the
             file, for programs that read it.
         instanced: store one leaf and the leaves' places (EXT_mesh_gpu_instancing), for programs that read it.
+        engine: whose names solid bodies get (see `name_bodies`).
 
     Raises:
         InputError: the tree is broken (see `check_asset`) or larger than the format allows, or leaves shall
-            be instanced and follow joints.
+            be instanced and carry wind.
     """
     asset = tree if isinstance(tree, TreeAsset) else TreeAsset((tree,))
     check_asset(asset)
@@ -78,7 +83,7 @@ def encode_glb(
     check.require(
         not (instanced and moved), "instanced leaves", rule, "both", "leave out --instanced or --wind"
     )
-    return _Writer(asset, quantise=quantise, instanced=instanced).encode()
+    return _Writer(asset, quantise=quantise, instanced=instanced).encode(engine)
 
 
 class _Writer:
@@ -91,20 +96,16 @@ class _Writer:
         self._frame = _cube(asset, self._leaves) if quantise else None
         self._parts = GlbParts(self._builder, GlbMaterials(self._builder, _materials(asset)), self._frame)
         self._armatures: list[tuple[Armature, int, list[int]]] = []
-        self._name = asset.levels[0].name.encode("utf-8", "replace").decode() or "Tree"
+        name = asset.levels[0].name if asset.levels else asset.cards[0].name
+        self._name = name.encode("utf-8", "replace").decode() or "Tree"
         steps = len(asset.levels) + len(asset.cards)
         self._steps = [self._name] if steps == 1 else [f"{self._name}_LOD{k}" for k in range(steps)]
 
-    def encode(self) -> bytes:
+    def encode(self, engine: str) -> bytes:
         """The whole file."""
         asset, builder = self._asset, self._builder
-        first = asset.levels[0]
-        extras = {
-            "height": float(first.height),
-            "leaves": 0 if first.foliage is None else len(first.foliage.position),
-        }
         below: list[int] = []
-        root = builder.add("nodes", {"name": self._name, "children": below, "extras": extras})
+        root = builder.add("nodes", {"name": self._name, "children": below, "extras": _extras(asset)})
         parts = [self._level(k) for k in range(len(asset.levels))]
         cards = [self._card(k, card) for k, card in enumerate(asset.cards, len(asset.levels))]
         if self._armatures:
@@ -114,7 +115,8 @@ class _Writer:
             chains[0 if chains[0] else 1] += cards
             scenes = [[root, *level.values()] for level in parts]
         elif len(self._steps) == 1:
-            below += parts[0].values()
+            below += parts[0].values() if parts else cards
+            cards = []
             chains, scenes = [], [[root]]
         else:
             groups = [
@@ -125,6 +127,10 @@ class _Writer:
             chains, scenes = [groups + cards], [[root], *([group] for group in groups[1:])]
         for chain in chains:
             self._link(chain)
+        if asset.collision is not None:
+            mesh = f"{self._steps[0]}_wood"
+            bodies = name_bodies(asset.collision, engine, tree=self._name, mesh=mesh)
+            below += [self._parts.add_body(*body) for body in bodies]
         if not below:
             del builder.entry("nodes", root)["children"]
         names = [self._name, *self._steps[1:]]
@@ -157,7 +163,8 @@ class _Writer:
         return nodes
 
     def _card(self, k: int, card: Card) -> int:
-        node = self._parts.add_mesh(self._steps[k], card.mesh, card.material)
+        name = self._steps[k] if len(self._steps) > 1 else f"{self._name}_card"
+        node = self._parts.add_mesh(name, card.mesh, card.material)
         self._builder.entry("nodes", node)["extras"] = {"impostor": card.name, "frames": card.frames}
         return node
 
@@ -183,6 +190,15 @@ class _Writer:
         entry["extensions"] = {"MSFT_lod": {"ids": nodes[1:]}}
         ends = [_COVERAGE * _COVERAGE_RATIO**k for k in range(len(nodes) - 1)]
         entry["extras"] = {"MSFT_screencoverage": [*ends, 0.0]}
+
+
+def _extras(asset: TreeAsset) -> dict[str, Any]:
+    """What the tree's node says of it."""
+    if not asset.levels:
+        return {"height": float(asset.cards[0].mesh.positions[:, 1].max())}
+    first = asset.levels[0]
+    leaves = 0 if first.foliage is None else len(first.foliage.position)
+    return {"height": float(first.height), "leaves": leaves}
 
 
 def _grown(level: TreeModel) -> Foliage | None:
