@@ -14,6 +14,7 @@ from flowtree.branches.shape_twigs import TwigShapes, shape_twigs
 from flowtree.geometry.choose_cover import choose_cover
 from flowtree.geometry.cover_canvas import CELLS, RING, CoverCanvas, lay_canvas
 from flowtree.geometry.footprint_means import optical_depth
+from flowtree.geometry.parent_array import main_child
 from flowtree.geometry.place_chance import place_chance
 from flowtree.geometry.plane_grid import narrow_rows
 from flowtree.model.camera import Camera
@@ -150,10 +151,18 @@ def _covers(
     count, nodes = len(twigs.node), len(shapes.parent)
     base = skeleton.points[twigs.node].astype(np.float64)[:, None]
     start = np.concatenate([base, twigs.points], axis=1)[:, shapes.parent + 1].reshape(-1, 3)
-    radius = RING * twigs.radius[:, None] * shapes.thickness
+    radius = RING * twigs.radius[:, None] * _mean_thickness(shapes)
     if sheath is not None:
         radius = np.full_like(radius, sheath)
     things = np.repeat(np.arange(count), nodes)
     covers = canvas.rod_covers(start, twigs.points.reshape(-1, 3), radius.ravel(), things, count)
     covers.data *= np.float32(share)
     return covers
+
+
+def _mean_thickness(shapes: TwigShapes) -> NDArray[np.float64]:
+    """Of the rod to each node (n,), share of the twig's radius: from ring to ring, as in `rod_radii`."""
+    before = np.maximum(shapes.parent, 0)
+    carries_on = main_child(shapes.parent, shapes.thickness)[before] == np.arange(len(before))
+    mean = (shapes.thickness + shapes.thickness[before]) / 2
+    return np.asarray(np.where(carries_on & (shapes.parent >= 0), mean, shapes.thickness))

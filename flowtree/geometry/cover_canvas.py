@@ -19,6 +19,7 @@ RING = 0.83  #: mean width of a twig's surface, rings of three corners, to that 
 _CORNERS = 12  # of the thickest ring; thinner ones have fewer, by the root of three of their radius
 CELLS = 64  #: along a tree's height, from its foot: those of `soft_iou`; across them a choice is worth less
 _GUESSED = np.float32(0.5)  # what an unknown pixel counts less: its alpha is a guess from around
+_LIMB = 4  # points to a pixel, along and across limbs
 _MARGIN = 1  # cells around the picture, where nothing should be
 
 _Floats = NDArray[np.floating[Any]]
@@ -104,10 +105,18 @@ class CoverCanvas:
         above = parent[nodes]
         place, width = points.astype(np.float64), radius.astype(np.float64)
         wide = rod_radii(parent, width)[nodes]
-        _, pixels, share = self._sample_rods(place[above], place[nodes], wide)
+        rods = (place[above], place[nodes], wide)
+        thick = 2 * wide > self._pixel
+        # Points a pixel apart leave some pixels out and fall into others twice: a limb must have no holes.
+        _, pixels, share = self._sample_rods(*(part[thick] for part in rods), fine=_LIMB)
         cover = np.bincount(pixels, share, minlength=len(self.depth))  # side by side within a pixel
-        more = -np.log1p(-np.minimum(cover, OPAQUE))
-        return replace(self, depth=(self.depth + more).astype(np.float32))
+        depth = self.depth - np.log1p(-np.minimum(cover, OPAQUE))
+        # Thin branches cross each other at random, and what one covers of a pixel is its width.
+        entries, pixels, share = self._sample_rods(*(part[~thick] for part in rods))
+        width = np.minimum(2 * wide[~thick] / self._pixel, OPAQUE)
+        deepen = -np.log1p(-width) / np.maximum(width, 1e-12)
+        depth += np.bincount(pixels, share * np.repeat(deepen, entries), minlength=len(depth))
+        return replace(self, depth=depth.astype(np.float32))
 
     def rod_covers(
         self, start: _Floats, end: _Floats, radius: _Floats, things: NDArray[np.integer[Any]], count: int
@@ -157,17 +166,17 @@ class CoverCanvas:
         return covers
 
     def _sample_rods(
-        self, start: _Floats, end: _Floats, radius: _Floats
+        self, start: _Floats, end: _Floats, radius: _Floats, *, fine: int = 1
     ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
-        """Points a pixel apart along rods, and across those that are wider than a pixel.
+        """Points along rods, ``fine`` of them to a pixel, and across those that are wider than a pixel.
 
         Returns: number of points of each rod, and all points' pixels and shares of a pixel.
         """
         first, along = self.flat(start), self.turn(end - start)
         half = (radius / self._pixel).astype(np.float32)
         length = np.hypot(along[:, 0], along[:, 1])
-        steps = np.maximum(np.ceil(length), 1).astype(np.int32)
-        across = np.maximum(np.ceil(2 * half), 1).astype(np.int32)
+        steps = np.maximum(np.ceil(fine * length), 1).astype(np.int32)
+        across = np.maximum(np.where(2 * half > 1, np.ceil(fine * 2 * half), 1), 1).astype(np.int32)
         total = steps * across
         which = np.repeat(np.arange(len(total), dtype=np.int32), total)
         number = np.arange(len(which), dtype=np.int32) - np.repeat(

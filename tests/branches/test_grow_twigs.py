@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flowtree.branches.grow_twigs import grow_twigs
+from flowtree.geometry.cover_canvas import CELLS, lay_canvas
 from flowtree.meshing.sweep_rings import sweep_rings
 from flowtree.model.mesh import Material
 from flowtree.model.tree import TreeModel
@@ -245,3 +246,18 @@ def test_segments_without_length_bear_nothing_and_break_nothing():
     points[thin] = points[CROWN.skeleton.parent[thin]]
     flat = replace(CROWN.skeleton, points=points)
     check_grown(grow_twigs(*CROWN.with_skeleton(flat).inputs), flat)
+
+
+@pytest.mark.parametrize("leafy", [True, False])
+def test_a_canvas_shows_the_wood_as_it_is_rendered(leafy):
+    made = grow_twigs(*CROWN.inputs, leafy=leafy, seed=3)
+    camera = CROWN.cameras[0]
+    bark = Material(name="bark", base_color=np.zeros((2, 2, 3), np.uint8))
+    tree = TreeModel("", HEIGHT, made, sweep_rings(made), bark, None)
+    seen = lay_canvas(render_mask(tree, camera, samples=6), None, camera, cell=HEIGHT / CELLS).wanted
+    canvas = lay_canvas(
+        np.zeros((camera.height, camera.width), np.float32), None, camera, cell=HEIGHT / CELLS
+    )
+    shown = canvas.with_tree(made.parent, made.points, made.radius).shown()
+    assert shown.sum() == pytest.approx(seen.sum(), rel=0.04)
+    assert np.abs(shown - seen).sum() < 0.1 * seen.sum()

@@ -79,3 +79,38 @@ def test_an_opaque_limb_is_opaque_and_a_thin_one_covers_its_share():
     assert thick.max() > 0.98
     assert thin.sum() * 0.2**2 == pytest.approx(2 * 0.005 * 2.0, rel=0.03)
     assert canvas.shown().max() == 0
+
+
+def tree_of_rods(start, end, radius):
+    """Parents, points and radii of rods that hang on nothing."""
+    count = len(start)
+    parent = np.concatenate([np.full(count, -1), np.arange(count)])
+    return parent, np.concatenate([start, end]), np.full(2 * count, radius)
+
+
+@settings(max_examples=25, deadline=None)
+@given(tilt=st.floats(0, 180), radius=st.floats(0.03, 0.1), shift=st.floats(0, PIXEL))
+def test_a_limb_has_no_holes(tilt, radius, shift):
+    canvas = canvas_of(camera=Camera(0.0, 0.05, (30.0, 55.0), 60, 60))
+    way = np.array([np.cos(np.radians(tilt)), np.sin(np.radians(tilt)), 0.0])
+    start = np.array([[shift, 0.9, 0.0]])
+    shown = canvas.with_tree(*tree_of_rods(start, start + 1.2 * way, radius)).shown()
+    assert shown.sum() * 0.2**2 >= 0.88 * 2 * radius * 1.2
+
+
+@pytest.mark.parametrize("count", [40, 400, 1500])
+def test_thin_branches_that_cross_hide_each_other(count):
+    random = np.random.default_rng(count)
+    canvas = canvas_of(camera=Camera(0.0, 0.05, (30.0, 55.0), 60, 60))
+    low, high = (-0.8, 0.4, 0.0), (0.8, 2.0, 0.0)
+    start = random.uniform(low, high, (count, 3))
+    end = np.clip(start + random.normal(0, 0.1, (count, 3)) * (1, 1, 0), low, high)
+    shown = canvas.with_tree(*tree_of_rods(start, end, 0.008)).shown().sum() * 0.2**2
+    places = random.uniform(low, high, (20_000, 3))
+    along = end - start
+    hit = np.zeros(len(places), np.bool_)
+    for one, way in zip(start, along, strict=True):
+        length = np.linalg.norm(way)
+        share = (places - one) @ way / length**2
+        hit |= (np.abs(np.cross(places - one, way / length)[:, 2]) < 0.008) & (share >= 0) & (share <= 1)
+    assert shown == pytest.approx(hit.mean() * 1.6**2, rel=0.05)
