@@ -47,48 +47,62 @@ class LeafCanvas:
         length: float,
         *,
         slender: float,
-        widest: float,
+        base: float = 0.75,
+        tip: float = 1.1,
         veins: int = 9,
         teeth: float = 0.0,
+        fan: int = 0,
         tint: tuple[float, float, float] = (1.0, 1.0, 1.0),
     ) -> None:
-        """Stamps a leaf blade.
+        """Stamps a leaf blade or a petal.
 
         Args:
             root: (x, y) where it begins.
             angle: from straight up, clockwise [radians].
             length: from root to tip.
             slender: half its largest width, in lengths.
-            widest: where along its length that is, 0..1.
-            veins: on each side; 0 for none.
-            teeth: depth of its serration, as a share of its width.
+            base: how it widens from its root: below 1 round, above 1 drawn out; with ``tip`` it says where
+                the blade is widest.
+            tip: the same at its end.
+            veins: on each side of the midrib; 0 for none.
+            teeth: depth of its serration, as a share of its width; the teeth lie between the veins' ends.
+            fan: veins that run from the root like a fan's, as in petals; 0 for none, and then a midrib.
             tint: relative linear colour.
         """
         window, along, aside = self._local(root, angle, length, slender * length * (1.0 + teeth))
         t = np.clip(along / length, 0.0, 1.0)
-        # A sine whose argument is bent so that it peaks where the blade is widest.
-        bend = np.log(0.5) / np.log(widest)
-        outline = slender * length * np.abs(np.sin(np.pi * t**bend)) ** 0.85
-        saw = np.mod(t * 15.0 - 0.35 * np.abs(aside) / (slender * length), 1.0)
-        outline *= 1.0 + teeth * (saw - 0.5)
+        peak = base / (base + tip)
+        outline = slender * length * (t / peak) ** base * ((1.0 - t) / (1.0 - peak)) ** tip
+        # Veins leave the midrib forward and bend to the tip; teeth point where they end.
+        across = np.clip(np.abs(aside) / np.maximum(outline, 1e-6), 0.0, 1.3)
+        ahead = t - 1.1 * slender * across**1.2 * (1.0 - 0.5 * t)
+        saw = np.mod(2.0 * max(veins, 6) * ahead, 1.0) - 0.5
+        outline *= 1.0 + teeth * np.clip(5.0 * t - 0.3, 0.0, 1.0) * saw
         inside = np.clip((outline - np.abs(aside)) / self._pitch + 0.5, 0.0, 1.0) * (
             (along > 0) & (along < length)
         )
         there = inside > 0.0
-        t, aside, outline = t[there], aside[there], outline[there]
+        t, aside, outline, ahead = t[there], aside[there], outline[there], ahead[there]
         across = np.clip(np.abs(aside) / np.maximum(outline, 1e-6), 0.0, 1.0)
-        light = 1.0 + 0.05 * self._mottling[0][window][there] - 0.10 * across**4
+        light = 1.0 + 0.06 * self._mottling[0][window][there] - 0.16 * across**4
         # Halves are lit differently by the fold, which a few triangles show too weakly.
-        light += np.where(aside > 0, 0.04, -0.04)
-        warmth = 0.05 * self._mottling[1][window][there] + 0.05 * across**3
+        light += np.where(aside > 0, 0.05, -0.05) * (fan == 0)
+        warmth = 0.07 * self._mottling[1][window][there] + 0.06 * across**3
         if veins:
-            wave = np.mod(veins * (t - 0.55 * slender * 2.0 * across**1.2 * (1.0 - 0.5 * t)), 1.0) - 0.5
-            thin = np.exp(-((wave / 0.07) ** 2)) * (1.0 - across) ** 0.5
-            light += 0.20 * thin - 0.07 * np.cos(2.0 * np.pi * wave)
-            warmth += 0.05 * thin
-        rib = np.exp(-((aside / (0.012 * length * (1.2 - t))) ** 2))
-        light += 0.28 * rib
-        warmth += 0.08 * rib
+            wave = np.mod(veins * ahead, 1.0) - 0.5
+            thin = np.exp(-((wave / 0.055) ** 2)) * (1.0 - across) ** 0.4
+            # Between two veins the blade is vaulted: one side of the vault is lit.
+            light += 0.30 * thin - 0.11 * np.cos(2.0 * np.pi * wave) + 0.05 * np.sin(2.0 * np.pi * wave)
+            light += 0.025 * np.cos(2.0 * np.pi * 5.0 * veins * across * slender) * (1.0 - thin)
+            warmth += 0.07 * thin
+        if fan:
+            spread = np.cos(2.0 * np.pi * fan * np.arctan2(aside, (t + 0.15) * length))
+            light += 0.045 * spread * (0.3 + t) - 0.10 * np.exp(-((t / 0.22) ** 2))
+            warmth += 0.10 * np.exp(-((t / 0.35) ** 2)) + 0.05 * across**2
+        else:
+            rib = np.exp(-((aside / (0.013 * length * (1.2 - t))) ** 2))
+            light += 0.34 * rib
+            warmth += 0.10 * rib
         self._over(window, there, inside[there], light, warmth, tint)
 
     def stroke(
@@ -158,7 +172,7 @@ class LeafCanvas:
         before = covered[there]
         left = before * (1.0 - inside)  # where nothing was before, the colour counts in full
         total = np.maximum(inside + left, 1e-9)
-        shade = np.clip(light, 0.3, 1.6)
+        shade = np.clip(light, 0.3, 1.7)
         for channel, warm in enumerate((1.2, 0.3, -0.8)):
             color = shade * tint[channel] * (1.0 + warmth * warm)
             beneath = colored[..., channel]

@@ -28,16 +28,17 @@ class _Body:
     bend: float  # [radians] from stalk to tip, away from the upper side
     fold: float  # rise of the edges over the midrib, per half width; negative hangs
     cutoff: float  # of the alpha test; lower for shapes of thin parts, which filtering wears away
+    translucency: float  # see `Material`
     planes: int = 1  # crossed planes around the y axis
 
 
 _BODIES = {
-    "broad": _Body(2, 0.5, 0.28, 0.5),
-    "lanceolate": _Body(2, 0.7, 0.25, 0.5),
-    "needle": _Body(2, 0.25, 0.0, 0.35, planes=2),
-    "frond": _Body(4, 1.1, -0.35, 0.4),
-    "compound": _Body(2, 0.4, 0.12, 0.45),
-    "blossom": _Body(2, 0.15, 0.22, 0.5),
+    "broad": _Body(2, 0.5, 0.28, 0.5, 0.4),
+    "lanceolate": _Body(2, 0.7, 0.25, 0.5, 0.4),
+    "needle": _Body(2, 0.25, 0.0, 0.35, 0.2, planes=2),
+    "frond": _Body(4, 1.1, -0.35, 0.4, 0.35),
+    "compound": _Body(2, 0.4, 0.12, 0.45, 0.4),
+    "blossom": _Body(2, 0.15, 0.22, 0.5, 0.5),
 }
 
 
@@ -90,6 +91,7 @@ def make_leaf(
         roughness=0.65,
         double_sided=True,
         alpha_cutoff=body.cutoff,
+        translucency=body.translucency,
     )
     return _strip(body, width, texture[:, :, 3] >= 0.25 * 255 * body.cutoff), material
 

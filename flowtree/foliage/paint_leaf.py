@@ -13,6 +13,7 @@ from flowtree.foliage.leaf_canvas import Floats, LeafCanvas
 # Twigs, relative to the leaf that the colour is meant for: times green this is brown.
 _TWIG = (0.95, 0.52, 0.8)
 _STALK = (1.08, 0.95, 0.85)
+_GREEN = (0.45, 0.62, 0.25)  # stalks among petals, relative to these
 
 
 def paint_leaf(shape: str, *, mean: Floats, cutoff: float, seed: int, size: int) -> NDArray[np.uint8]:
@@ -38,84 +39,105 @@ def paint_leaf(shape: str, *, mean: Floats, cutoff: float, seed: int, size: int)
 
 def _broad(canvas: LeafCanvas, rng: np.random.Generator) -> None:
     canvas.stroke((0.0, 0.0), 0.0, 0.2, (0.026, 0.018), tint=_STALK)
-    canvas.blade((0.0, 0.13), 0.0, 0.86, slender=0.36, widest=0.40, veins=8, teeth=0.07)
+    canvas.blade((0.0, 0.16), 0.0, 0.84, slender=0.375, base=0.68, tip=1.3, veins=8, teeth=0.11)
 
 
 def _lanceolate(canvas: LeafCanvas, rng: np.random.Generator) -> None:
-    canvas.stroke((0.0, 0.0), 0.0, 0.12, (0.016, 0.014), tint=_STALK)
-    canvas.blade((0.0, 0.07), 0.0, 0.92, slender=0.135, widest=0.40, veins=16, teeth=0.05)
+    canvas.stroke((0.0, 0.0), 0.0, 0.12, (0.018, 0.015), tint=_STALK)
+    canvas.blade((0.0, 0.08), 0.0, 0.92, slender=0.135, base=0.85, tip=1.2, veins=15, teeth=0.09)
 
 
 def _needle(canvas: LeafCanvas, rng: np.random.Generator) -> None:
-    canvas.stroke((0.0, 0.0), 0.0, 0.84, (0.022, 0.010), tint=_TWIG)
-    for place in np.sort(rng.uniform(0.03, 0.97, 170)):
+    canvas.stroke((0.0, 0.0), 0.0, 0.84, (0.024, 0.010), tint=_TWIG)
+    for place in np.sort(rng.uniform(0.02, 0.97, 150)):
         side = rng.choice((-1.0, 1.0))
         # Needles at the end of the year's shoot are shorter and lie closer to it.
         lean = rng.uniform(0.55, 1.05) * (1.0 - 0.55 * place)
         length = rng.uniform(0.20, 0.29) * (1.0 - 0.35 * place)
         length = min(length, (rng.uniform(0.86, 0.99) - 0.86 * place) / max(np.cos(lean), 0.2))
-        shade = rng.uniform(0.75, 1.15)
+        # Young ones at the end are lighter and yellower.
+        shade, young = rng.uniform(0.66, 1.16), 0.22 * float(place) ** 2
         start = (0.0, 0.84 * float(place))
-        canvas.stroke(start, side * lean, length, (0.017, 0.009), tint=(shade, shade, shade * 1.05))
+        tint = (shade * (1.0 + 1.3 * young), shade * (1.0 + young), shade * (1.08 - young))
+        canvas.stroke(start, side * lean, length, (0.015, 0.008), tint=tint)
 
 
 def _frond(canvas: LeafCanvas, rng: np.random.Generator) -> None:
-    pairs = 30
-    for place in np.linspace(0.16, 0.97, pairs):
+    pairs = 27
+    for place in np.linspace(0.15, 0.97, pairs):
         for side in (-1.0, 1.0):
-            lean = (1.15 - 0.75 * place) * rng.uniform(0.93, 1.07)
+            lean = (1.18 - 0.78 * place) * rng.uniform(0.90, 1.10)
             swell = np.sin(np.pi * (0.18 + 0.74 * place)) ** 0.8
-            length = 0.30 * swell * rng.uniform(0.92, 1.05)
+            length = 0.31 * swell * rng.uniform(0.88, 1.06)
             length = min(length, (rng.uniform(0.93, 0.995) - 0.88 * place) / max(np.cos(lean), 0.2))
-            shade = rng.uniform(0.85, 1.12)
+            shade = rng.uniform(0.74, 1.16)
             canvas.blade(
                 (0.0, 0.88 * float(place)),
                 side * lean,
                 length,
-                slender=0.052,
-                widest=0.4,
+                slender=0.044,
+                base=0.6,
+                tip=0.9,
                 veins=0,
-                tint=(shade, shade, shade),
+                tint=(shade * rng.uniform(0.96, 1.08), shade, shade),
             )
     canvas.stroke((0.0, 0.0), 0.0, 0.89, (0.030, 0.008), tint=(1.15, 1.1, 0.8))
 
 
 def _compound(canvas: LeafCanvas, rng: np.random.Generator) -> None:
-    canvas.stroke((0.0, 0.0), 0.0, 0.74, (0.018, 0.010), tint=_TWIG)
-    places = np.linspace(0.10, 0.64, 7)
-    for number, place in enumerate(places):
-        side = 1.0 if number % 2 else -1.0
-        lean = side * rng.uniform(0.75, 1.05)
-        length = rng.uniform(0.32, 0.38)
-        root = (0.0, float(place))
-        canvas.stroke(root, lean, 0.07, (0.010, 0.008), tint=_STALK)
-        shade = rng.uniform(0.85, 1.12)
-        tint = (shade * rng.uniform(0.94, 1.06), shade, shade)
-        root = (root[0] + 0.05 * float(np.sin(lean)), root[1] + 0.05 * float(np.cos(lean)))
-        canvas.blade(root, lean, length, slender=0.30, widest=0.42, veins=7, teeth=0.08, tint=tint)
-    canvas.blade((0.0, 0.66), rng.uniform(-0.1, 0.1), 0.33, slender=0.30, widest=0.42, veins=7, teeth=0.08)
+    canvas.stroke((0.0, 0.0), 0.0, 0.72, (0.018, 0.010), tint=_STALK)
+    # From the tip down, so that each pair lies over the one above it.
+    _leaflet(canvas, rng, (0.0, 0.66), rng.uniform(-0.1, 0.1), 0.34)
+    for place, length in zip((0.56, 0.37, 0.19), (0.35, 0.36, 0.30), strict=True):
+        for side in (-1.0, 1.0):
+            lean = side * rng.uniform(0.84, 1.04)
+            root = (0.0, place + rng.uniform(-0.02, 0.02))
+            canvas.stroke(root, lean, 0.05, (0.010, 0.008), tint=_STALK)
+            begin = (root[0] + 0.03 * float(np.sin(lean)), root[1] + 0.03 * float(np.cos(lean)))
+            _leaflet(canvas, rng, begin, lean, length * rng.uniform(0.93, 1.04))
+
+
+def _leaflet(
+    canvas: LeafCanvas, rng: np.random.Generator, root: tuple[float, float], lean: float, length: float
+) -> None:
+    shade = rng.uniform(0.84, 1.12)
+    tint = (shade * rng.uniform(0.92, 1.10), shade, shade * rng.uniform(0.9, 1.05))
+    canvas.blade(root, lean, length, slender=0.255, base=0.8, tip=1.15, veins=8, teeth=0.09, tint=tint)
 
 
 def _blossom(canvas: LeafCanvas, rng: np.random.Generator) -> None:
-    canvas.stroke((0.0, 0.0), 0.0, 0.5, (0.020, 0.020), tint=(0.75, 0.85, 0.55))
-    heart = (0.0, 0.56)
-    for petal in range(5):
-        angle = 2.0 * np.pi * petal / 5 + rng.uniform(-0.08, 0.08)
-        shade = rng.uniform(0.94, 1.06)
-        canvas.blade(
-            heart,
-            angle,
-            rng.uniform(0.40, 0.43),
-            slender=0.40,
-            widest=0.66,
-            veins=0,
-            tint=(shade, shade, shade),
+    """A cluster of flowers on stalks that spring from one place, the largest on top."""
+    hearts = [
+        (-0.19, 0.47, 0.17),
+        (0.21, 0.52, 0.17),
+        (-0.11, 0.80, 0.18),
+        (0.15, 0.79, 0.165),
+        (0.01, 0.60, 0.20),
+    ]
+    for x, y, _ in hearts:
+        way = (x, y - 0.06)
+        canvas.stroke(
+            (0.0, 0.06), float(np.arctan2(*way)), float(np.hypot(*way)), (0.012, 0.012), tint=_GREEN
         )
-    for _ in range(22):
-        angle, length = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(0.06, 0.15)
-        canvas.stroke(heart, angle, length, (0.006, 0.006), tint=(1.05, 0.9, 0.6))
-        tip = (heart[0] + length * float(np.sin(angle)), heart[1] + length * float(np.cos(angle)))
-        canvas.stroke(tip, 0.0, 0.002, (0.022, 0.022), tint=(1.05, 0.8, 0.3))
+    canvas.stroke((0.0, 0.0), 0.0, 0.08, (0.022, 0.018), tint=_TWIG)
+    for x, y, reach in hearts:
+        _flower(canvas, rng, (x + rng.uniform(-0.012, 0.012), y + rng.uniform(-0.012, 0.012)), reach)
+
+
+def _flower(canvas: LeafCanvas, rng: np.random.Generator, heart: tuple[float, float], reach: float) -> None:
+    turned, pink = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(0.88, 1.0)
+    for petal in range(5):
+        angle = turned + 2.0 * np.pi * petal / 5 + rng.uniform(-0.09, 0.09)
+        shade = rng.uniform(0.90, 1.03)
+        tint = (shade, shade * pink, shade * (0.3 + 0.7 * pink))
+        length = reach * rng.uniform(0.94, 1.04)
+        canvas.blade(heart, angle, length, slender=0.44, base=0.8, tip=0.36, veins=0, fan=9, tint=tint)
+    canvas.stroke(heart, 0.0, 0.001, (0.035, 0.035), tint=(0.8, 0.55, 0.45))
+    for _ in range(14):
+        angle, length = rng.uniform(0.0, 2.0 * np.pi), reach * rng.uniform(0.18, 0.42)
+        canvas.stroke(heart, angle, length, (0.005, 0.004), tint=(1.05, 0.85, 0.75))
+        end = (heart[0] + length * float(np.sin(angle)), heart[1] + length * float(np.cos(angle)))
+        canvas.stroke(end, 0.0, 0.001, (0.014, 0.014), tint=(1.0, 0.72, 0.22))
 
 
 @dataclass(frozen=True)
@@ -130,6 +152,6 @@ _HABITS = {
     "needle": _Habit(0.52, _needle),
     "frond": _Habit(0.54, _frond),
     "compound": _Habit(0.72, _compound),
-    "blossom": _Habit(0.88, _blossom),
+    "blossom": _Habit(0.80, _blossom),
 }
 LEAF_WIDTHS = {shape: habit.width for shape, habit in _HABITS.items()}

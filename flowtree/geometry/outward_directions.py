@@ -29,7 +29,8 @@ def outward_directions(points: NDArray[np.floating[Any]]) -> NDArray[np.float32]
     if len(place) >= _FEWEST:
         away = away + _slopes(place)
     length = np.linalg.norm(away, axis=1, keepdims=True)
-    return np.divide(away, length, out=np.zeros_like(away), where=length > 1e-6).astype(np.float32)
+    unit = np.divide(away, length, out=np.zeros_like(away), where=length > 1e-6)
+    return np.asarray(unit, np.float32)
 
 
 def _slopes(place: NDArray[np.float64]) -> NDArray[np.float64]:

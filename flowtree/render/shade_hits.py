@@ -15,9 +15,11 @@ from flowtree.render.sample_texture import build_pyramid, sample_texture
 _SUN_COLOR = np.array([1.0, 0.93, 0.80], np.float32)
 _SKY_COLOR = np.array([0.78, 0.90, 1.10], np.float32)
 _GROUND_COLOR = np.array([0.20, 0.22, 0.13], np.float32)
-# Light that has passed a leaf is yellow-green and weaker (Poorter et al. 1995: a leaf passes about as much as
-# it scatters back, mostly between 530 and 600 nm).
+# Light that has passed a green leaf is yellow-green and weaker (Poorter et al. 1995: a leaf passes about as
+# much as it scatters back, mostly between 530 and 600 nm); a petal lets through all of its colour.
 _PASSED = np.array([0.75, 0.80, 0.35], np.float32)
+_PASSED_PLAIN = np.float32(0.75)
+_GLOW = 2.0  # the sun is a small source: where it shines through, a leaf glows more than it darkens the rest
 _LEAF_WRAP = 0.25  # a blade is curved and its neighbours' light fills in: its terminator is soft
 _SHADOW_SIZE = 1024  # rays along the longer side of the sun's picture, at most
 
@@ -132,11 +134,19 @@ def _light_vertices(
     indirect, direct = np.empty_like(scene.colors), np.empty_like(scene.colors)
     indirect[wood] = front[wood]
     direct[wood] = np.maximum(facing[wood], 0) * _SUN_COLOR
-    indirect[leaf] = 0.6 * front[leaf] + 0.4 * back[leaf] * _PASSED
+    share = np.float32(0.0 if scene.leaf is None else scene.leaf.translucency)
+    passed = share * _passed_light(scene.colors[leaf])
+    indirect[leaf] = (1 - share) * front[leaf] + back[leaf] * passed
     softened = (np.stack([facing[leaf], -facing[leaf]]) + _LEAF_WRAP) / (1 + _LEAF_WRAP)
     on, through = np.maximum(softened, 0)
-    direct[leaf] = (on + 0.8 * through * _PASSED) * _SUN_COLOR
+    direct[leaf] = (on + np.float32(_GLOW) * through * passed) * _SUN_COLOR
     return indirect * scene.colors, direct * scene.colors * np.float32(params.sun)
+
+
+def _passed_light(color: NDArray[np.float32]) -> NDArray[np.float32]:
+    """How much of each colour of light (n, 3) goes on through leaves of these colours (n, 3), linear."""
+    green = np.clip(2 * (color[:, 1] - color[:, 2]) / (color[:, 1] + color[:, 2] + np.float32(1e-6)), 0, 1)
+    return np.asarray(_PASSED_PLAIN + green[:, None] * (_PASSED - _PASSED_PLAIN), np.float32)
 
 
 def _corner_weights(

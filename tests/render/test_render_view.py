@@ -57,6 +57,23 @@ def test_more_light_is_brighter_and_none_is_black():
     assert levels[0] < levels[1] < levels[2] < levels[3]
 
 
+def test_light_shines_through_translucent_leaves():
+    """With the sun behind the tree, its leaves glow the more they let through, and wood does not."""
+    tree = hand_made_tree(200)
+    camera = fit_camera(tree, 0.0, 96)
+    behind = RenderParams(sun_azimuth=180.0, sky=0.2)
+    pictures = []
+    for share in (0.0, 0.3, 0.6):
+        material = replace(tree.foliage.material, translucency=share)
+        leafy = replace(tree, foliage=replace(tree.foliage, material=material))
+        pictures.append(render_view(leafy, camera, params=behind).astype(float))
+    leaf = (pictures[0] != pictures[2]).any(axis=2) & (pictures[0][:, :, 3] == 255)
+    assert leaf.sum() > 50
+    dark, half, bright = (picture[leaf][:, :3].mean() for picture in pictures)
+    assert dark < half < bright
+    assert bright > 1.3 * dark
+
+
 def test_the_side_of_the_sun_is_the_bright_one():
     tree = hand_made_tree(0, branch_count=0)
     camera = fit_camera(tree, 0.0, 128)
