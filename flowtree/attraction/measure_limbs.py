@@ -41,17 +41,9 @@ class LimbWidths:
             middle: (rows, columns) 0 at a limb's edge and beside it, 1 in its middle.
             half: (rows, columns) half width [tree heights].
         """
-        middle = self.depth / np.maximum(self.half, 1e-6)
-        rows, columns = grid.alpha.shape
-        clear, thick = np.zeros(rows * columns), np.zeros(rows * columns)
-        at = np.argwhere(self.depth > 0)
-        cell = np.floor((at[:, ::-1] + 0.5 - np.array(grid.corner)) * grid.scale).astype(int)
-        inside = ((cell >= 0) & (cell < (columns, rows))).all(axis=1)
-        at, cell = at[inside], cell[inside]
-        flat = cell[:, 1] * columns + cell[:, 0]
-        np.maximum.at(clear, flat, middle[tuple(at.T)])
-        np.maximum.at(thick, flat, self.half[tuple(at.T)] * grid.scale / grid.tall)
-        return clear.reshape(rows, columns), thick.reshape(rows, columns)
+        middle = np.asarray(self.depth / np.maximum(self.half, np.float32(1e-6)), np.float32)
+        thick = self.half * np.float32(grid.scale / grid.tall)
+        return _most_per_cell(middle, grid), _most_per_cell(thick, grid)
 
     def at(self, pixels: NDArray[np.float64]) -> NDArray[np.float64]:
         """Half width [working pixels] of the limbs in whose middle places (n, 2) as (x, y) lie, else NaN."""
@@ -84,6 +76,29 @@ def measure_limbs(matte: Matte, tall: float) -> LimbWidths:
         np.maximum(half[box], np.float32(radius), out=half[box], where=around < radius)
         radius *= _RATIO
     return LimbWidths(depth, np.where(depth > 0, half, np.float32(0.0)))
+
+
+def _most_per_cell(values: _Map, grid: WorkingGrid) -> NDArray[np.float64]:
+    """The largest of the values (h, w), >= 0, of the pixels in each cell (rows, columns); 0 without any."""
+    rows, columns = grid.alpha.shape
+    by_row = _most_in_runs(values, _places(values.shape[0], grid.corner[1], grid.scale), rows)
+    by_cell = _most_in_runs(by_row.T, _places(values.shape[1], grid.corner[0], grid.scale), columns)
+    return np.asarray(by_cell.T, np.float64)
+
+
+def _places(pixels: int, corner: int, scale: float) -> NDArray[np.intp]:
+    """The row (or column) of cells that each row (or column) of pixels lies in."""
+    return np.asarray(np.floor((np.arange(pixels) + 0.5 - corner) * scale), np.intp)
+
+
+def _most_in_runs(values: _Map, place: NDArray[np.intp], count: int) -> _Map:
+    """The largest values (count, w) of the rows of each growing place from 0 on; 0 without any."""
+    inside = (place >= 0) & (place < count)
+    most = np.zeros((count, values.shape[1]), np.float32)
+    cell, start = np.unique(place[inside], return_index=True)
+    if len(cell):
+        most[cell] = np.maximum.reduceat(values[inside], start)
+    return most
 
 
 def _grown_box(where: NDArray[np.bool_], margin: int) -> tuple[slice, slice]:

@@ -5,8 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from flowtree.attraction.cut_working_grid import cut_working_grid
-from flowtree.attraction.measure_limbs import measure_limbs
+from flowtree.attraction.cut_working_grid import WorkingGrid, cut_working_grid
+from flowtree.attraction.measure_limbs import LimbWidths, measure_limbs
 from flowtree.attraction.trace_attractor_graph import trace_attractor_graph
 from flowtree.geometry.polylines import nearest_on_segments
 from flowtree.geometry.projection import plane_to_pixels
@@ -93,3 +93,25 @@ def test_outside_the_picture_nothing_is_measured():
     middle, width = made.on_grid(grid)
     assert middle.shape == width.shape == grid.alpha.shape
     assert middle.max() <= 1
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    scale=st.floats(0.2, 3.0),
+    corner=st.tuples(st.integers(-8, 12), st.integers(-8, 12)),
+    size=st.tuples(st.integers(1, 12), st.integers(1, 12)),
+    seed=st.integers(0, 99),
+)
+def test_a_cell_gets_its_clearest_pixel(scale, corner, size, seed):
+    """As found pixel by pixel; a fine grid has cells without any."""
+    half = np.random.default_rng(seed).uniform(0.0, 3.0, (14, 11)).astype(np.float32)
+    depth = (half * np.random.default_rng(seed + 1).uniform(0.0, 1.0, half.shape)).astype(np.float32)
+    grid = WorkingGrid(np.ones(size, np.float32), np.zeros((*size, 3), np.float32), scale, corner, 40.0)
+    clear, thick = np.zeros(size), np.zeros(size)
+    for row, column in np.ndindex(*half.shape):
+        x, y = (int(np.floor((p + 0.5 - c) * scale)) for p, c in zip((column, row), corner, strict=True))
+        if 0 <= x < size[1] and 0 <= y < size[0]:
+            clear[y, x] = max(clear[y, x], depth[row, column] / max(half[row, column], 1e-6))
+            thick[y, x] = max(thick[y, x], half[row, column] * scale / 40.0)
+    for found, slow in zip(LimbWidths(depth, half).on_grid(grid), (clear, thick), strict=True):
+        assert np.allclose(found, slow, rtol=1e-6)
