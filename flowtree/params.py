@@ -291,7 +291,7 @@ class MeshingParams(StageParams):
         0.35, "by how much the trunk widens at the ground", ge=0, le=3, unit="trunk radii"
     )
     bark: str = _choice("auto", "bark texture: auto, or the path of a picture")
-    bark_style: Literal["auto", "furrowed", "smooth", "plated", "ringed"] = _choice(
+    bark_style: Literal["auto", "furrowed", "smooth", "papery", "plated", "ringed"] = _choice(
         "auto", "the painted bark's habit; auto goes by its colour"
     )
     bark_scale: float = _number(

@@ -9,15 +9,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from flowtree import check
 from flowtree.geometry.srgb import decode_srgb, encode_srgb_bytes
-from flowtree.meshing.bark_habits import Habit, furrowed, plated, ringed, smooth
+from flowtree.meshing.bark_habits import Habit, furrowed, papery, plated, ringed, smooth
 from flowtree.meshing.tile_noise import Floats
 from flowtree.model.mesh import Material
 
-BarkStyle = Literal["auto", "furrowed", "smooth", "plated", "ringed"]
+BarkStyle = Literal["auto", "furrowed", "smooth", "papery", "plated", "ringed"]
 
 _HABITS: dict[str, tuple[Habit, float]] = {  # with the roughness of the surface
     "furrowed": (furrowed, 0.95),
-    "smooth": (smooth, 0.75),
+    "smooth": (smooth, 0.8),
+    "papery": (papery, 0.75),
     "plated": (plated, 0.9),
     "ringed": (ringed, 0.9),
 }
@@ -27,13 +28,14 @@ _RELIEF = 0.6  # the normal map shows this share of the heights: full relief gli
 def paint_bark(color: ArrayLike, *, style: BarkStyle = "auto", seed: int = 0, size: int = 512) -> Material:
     """Paints bark that tiles exactly in both directions: base colour and normal map.
 
-    The paper textures its discs and does not say with what; here the pattern is computed, in one of four
-    habits: furrowed broadleaf, smooth with lenticels, plated conifer, ringed palm.
+    The paper textures its discs and does not say with what; here the pattern is computed, in one of five
+    habits: furrowed as oak, smooth as beech, papery as birch, plated as pine, ringed as a palm.
 
     Args:
         color: (3,) sRGB 0..255. From afar, where only the mean is seen, the bark has this colour: the mean of
             the texture's linear values is that of the colour, where needed at the cost of contrast.
-        style: the habit; "auto" takes smooth for pale grey, plated for reddish brown, furrowed for the rest.
+        style: the habit; "auto" takes papery for near white, smooth for pale plain grey, plated for reddish
+            brown, furrowed for the rest.
         seed: another seed, another piece of bark.
         size: [pixels]; the picture's upper side lies toward the tip.
 
@@ -67,7 +69,9 @@ def pick_habit(color: NDArray[np.float64]) -> str:
     red, green, blue = (float(part) for part in color / 255.0)
     bright, spread = max(red, green, blue), max(red, green, blue) - min(red, green, blue)
     saturation = spread / max(bright, 1e-6)
-    if bright > 0.68 and saturation < 0.22:
+    if bright > 0.72 and saturation < 0.22:
+        return "papery"
+    if bright > 0.5 and saturation < 0.12:
         return "smooth"
     if saturation > 0.42 and red >= green >= blue and bright > 0.25:
         return "plated"
