@@ -41,7 +41,7 @@ def coarse_hull(
     normals, reach = hull.equations[:, :3], -(hull.equations[:, 3] + hull.equations[:, :3] @ middle)
     # How much each point asks the body to grow: its height over the middle, relative to each face's.
     asked = np.max([(cloud - middle) @ n / r for n, r in zip(normals, reach, strict=True)], axis=0)
-    growth = max(1.0, float(np.quantile(asked, share)))
+    growth = max(1.0, float(np.quantile(asked, share, method="higher")))
     positions = middle + growth * (outer[hull.vertices] - middle)
     number = np.full(len(outer), -1)
     number[hull.vertices] = np.arange(len(hull.vertices))

@@ -14,6 +14,9 @@ from flowtree.model.wind import WindWeights
 _LIMB, _FINE = 1, 2
 _STIFFNESS = 2.0 / 3.0  # exponent of elastic similarity
 _THINNEST = 0.02  # of the foot's radius: thinner twigs bend as this one
+# What runs across the arm to its pivot is stretched by arm * turn / length: no segment's extent grows by more
+# than this share of its length over the arm.
+_STEEPEST = 0.25
 # Lengths of the waves [tree heights] that spread the phases of limbs and finer branches, and how far along
 # its branch each phase is read: branches that leave the stem at one height swing apart.
 _WAVES = (0.23, 0.11)
@@ -25,9 +28,10 @@ def weigh_wind(skeleton: Skeleton, *, height: float, seed: int = 0) -> WindWeigh
 
     Branches of all sizes bend alike under their own load when their length goes with radius**(2/3) (elastic
     similarity; McMahon 1973, "Size and shape in biology"). So a segment bends by its length over
-    ``height * (radius / foot's radius)**(2/3)``; of the sum c of a tier's segments on the way to a node the
-    extent is ``1 - exp(-c)``. Nothing is relative to other nodes: a thinned copy of the skeleton gets the
-    same values where it kept its course, so that levels of detail swing as one.
+    ``height * (radius / foot's radius)**(2/3)``, b, and the extent grows by ``(1 - extent) * (1 - exp(-b))``;
+    but slower far from the pivot, where turning by different angles would stretch the wood. Nothing is
+    relative to other nodes: a thinned copy of the skeleton gets about the same values where it kept its
+    course, so that levels of detail swing as one.
 
     Phases are those of plane waves through the tree in a direction of chance: branches near each other follow
     one another as in a gust, and a small move of a branch moves its phase little.
@@ -46,12 +50,13 @@ def weigh_wind(skeleton: Skeleton, *, height: float, seed: int = 0) -> WindWeigh
     check.require(bool(positive), "height", "must be positive", height, "give the tree's height in metres")
     parent = skeleton.parent.astype(np.int64)
     points = skeleton.points.astype(np.float64)
-    bend = _bending(skeleton, points, height)
+    length = np.linalg.norm(points - points[np.maximum(parent, 0)], axis=1)
+    bend = 1.0 - np.exp(-length / _natural_length(skeleton, height))
     count = len(parent)
     depth = np.zeros(count, np.int64)
     start = np.zeros((count, 2), np.int64)  # the node at each tier's pivot
     first = np.zeros((count, 2), np.int64)  # the first node of each tier's branch
-    bent = np.zeros((count, 3))
+    extent = np.zeros((count, 3))
     for nodes in levels(parent)[1:]:
         above = parent[nodes]
         depth[nodes] = np.maximum(depth[above], np.minimum(skeleton.level[nodes], _FINE))
@@ -65,24 +70,28 @@ def weigh_wind(skeleton: Skeleton, *, height: float, seed: int = 0) -> WindWeigh
             first[nodes, tier - 1] = np.where(
                 inside, np.where(begins, nodes, first[above, tier - 1]), before[1]
             )
-        bent[nodes] = bent[above]
-        bent[nodes, depth[nodes]] += bend[nodes]
+        pivot = np.where(depth[nodes] > 0, start[nodes, np.maximum(depth[nodes] - 1, 0)], 0)
+        # At the middle of the segment, so that it does not matter how finely a branch is divided.
+        arm = np.linalg.norm(0.5 * (points[nodes] + points[above]) - points[pivot], axis=1)
+        steepest = np.divide(_STEEPEST * length[nodes], arm, out=np.ones(len(nodes)), where=arm > 0)
+        extent[nodes] = extent[above]
+        growth = (1.0 - extent[nodes, depth[nodes]]) * bend[nodes]
+        extent[nodes, depth[nodes]] += np.minimum(growth, steepest)
     return WindWeights(
         depth=depth.astype(np.int32),
         pivot=points[start].astype(np.float32),
-        extent=(1.0 - np.exp(-bent)).astype(np.float32),
+        extent=extent.astype(np.float32),
         phase=_phases(points, start, first, height, seed),
     )
 
 
-def _bending(skeleton: Skeleton, points: NDArray[np.float64], height: float) -> NDArray[np.float64]:
-    """How far each node's segment bends, (n,): 1 is a branch of even thickness and its natural length."""
+def _natural_length(skeleton: Skeleton, height: float) -> NDArray[np.float64]:
+    """How long branches of each node's thickness usually are, (n,) [m]."""
     radius = skeleton.radius.astype(np.float64)
     foot = radius[0] if radius[0] > 0 else radius.max()
     relative = radius / foot if foot > 0 else np.ones(len(radius))
-    length = np.linalg.norm(points - points[np.maximum(skeleton.parent, 0)], axis=1)
-    bend: NDArray[np.float64] = length / (height * np.clip(relative, _THINNEST, 1.0) ** _STIFFNESS)
-    return bend
+    usual: NDArray[np.float64] = height * np.clip(relative, _THINNEST, 1.0) ** _STIFFNESS
+    return usual
 
 
 def _phases(

@@ -69,6 +69,7 @@ LIBRARIES = {
         "foliage",
         "render",
         "geometry",
+        "wind",
     },
     "skimage": {"attraction", "flow"},
     "pymatting": {"matting"},
