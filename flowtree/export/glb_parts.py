@@ -55,7 +55,7 @@ class GlbParts:
         if skin is not None:
             node["skin"] = skin  # its joints place it
         elif self._frame is not None:
-            node["translation"], node["scale"] = self._frame.centre.tolist(), [self._frame.half] * 3
+            node["translation"], node["scale"] = self._frame.centre.tolist(), [self._frame.step] * 3
         return self._builder.add("nodes", node)
 
     def add_instances(self, name: str, foliage: Foliage) -> int:
@@ -100,6 +100,8 @@ class GlbParts:
         if "COLOR_0" in attributes and mesh.colors is not None:
             factor = mesh.colors.mean(axis=0, dtype=np.float64)
         packed |= {key: _as_it_is(key, values) for key, values in attributes.items()}
+        if frame is not None and "WEIGHTS_0" in attributes:
+            packed |= _coarse_skin(attributes["JOINTS_0"], attributes["WEIGHTS_0"])
         primitive: dict[str, Any] = {
             "attributes": {key: self._attribute(key, each) for key, each in packed.items()},
             "indices": self._indices(mesh.triangles, len(mesh.positions)),
@@ -118,6 +120,20 @@ class GlbParts:
         short = count <= _MOST_SHORT_VERTICES
         flat = triangles.reshape(-1).astype(np.uint16 if short else np.uint32)
         return self._builder.accessor(flat, target=INDICES)
+
+
+def _coarse_skin(joints: NDArray[Any], weights: NDArray[np.float32]) -> dict[str, Packed]:
+    """Weights (n, 4) that sum to 1 as bytes that sum to 255, and joint 0 where none is left.
+
+    What rounding leaves over goes to the largest.
+    """
+    counts = np.rint(weights * 255.0).astype(np.int64)
+    rows = np.arange(len(counts))
+    counts[rows, weights.argmax(axis=1)] += 255 - counts.sum(axis=1)
+    return {
+        "JOINTS_0": _as_it_is("JOINTS_0", np.where(counts > 0, joints, 0)),
+        "WEIGHTS_0": Packed(counts.astype(np.uint8), normalized=True),
+    }
 
 
 def _as_it_is(key: str, values: NDArray[Any]) -> Packed:

@@ -39,7 +39,7 @@ def add_skin(
     undo[:, :3, 3] = -points
     if frame is not None:
         undo[:, :3, 3] += frame.centre
-        undo[:, [0, 1, 2], [0, 1, 2]] = frame.half
+        undo[:, [0, 1, 2], [0, 1, 2]] = frame.step
     # glTF stores matrices by columns.
     matrices = builder.accessor(undo.transpose(0, 2, 1).reshape(-1, 16).astype(np.float32))
     entry = {"name": name, "skeleton": nodes[0], "joints": nodes, "inverseBindMatrices": matrices}

@@ -16,7 +16,7 @@ _SHORT, _BYTE = 32767, 127
 
 @dataclass(frozen=True)
 class Frame:
-    """The cube in which quantised places are stored as -1..1; a node's translation and scale undo it.
+    """The cube in which quantised places are whole numbers; a node's translation and scale undo it.
 
     Attributes:
         centre: (3,) float64 [m].
@@ -25,6 +25,11 @@ class Frame:
 
     centre: NDArray[np.float64]
     half: float
+
+    @property
+    def step(self) -> float:
+        """From one whole number to the next [m]."""
+        return self.half / _SHORT
 
 
 @dataclass(frozen=True)
@@ -60,7 +65,7 @@ def pack_vertices(
     Args:
         mesh: n vertices, at least one.
         tangents: whether the material needs them.
-        frame: with one, places become 16-bit and directions 8-bit fractions (KHR_mesh_quantization).
+        frame: with one, places become 16-bit numbers and directions 8-bit fractions (KHR_mesh_quantization).
     """
     normals = _unit(mesh.normals, np.array([0.0, 1.0, 0.0]))
     packed = {"POSITION": _places(mesh.positions, frame), "NORMAL": _directions(normals, frame)}
@@ -80,8 +85,9 @@ def pack_vertices(
 def _places(positions: NDArray[np.float32], frame: Frame | None) -> Packed:
     if frame is None:
         return Packed(positions.astype(np.float32, copy=False))
-    inside = np.rint((positions - frame.centre) / frame.half * _SHORT)
-    return Packed(np.clip(inside, -_SHORT, _SHORT).astype(np.int16), normalized=True)
+    inside = np.rint((positions - frame.centre) / frame.step)
+    # Plain whole numbers, which the node's scale brings to metres: simple readers know no fractions.
+    return Packed(np.clip(inside, -_SHORT, _SHORT).astype(np.int16))
 
 
 def _directions(vectors: NDArray[np.float32], frame: Frame | None) -> Packed:

@@ -142,6 +142,7 @@ def _one_leaf(geometry: TreeMesh, material: Material) -> Foliage:
         scale=np.ones(1, np.float32),
         color=np.ones((1, 3), np.float32),
         node=np.zeros(1, np.int32),
+        rounding=0.0,  # the normals in the file are round already
     )
 
 

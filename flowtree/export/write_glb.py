@@ -67,8 +67,8 @@ def encode_glb(
 
     Args:
         tree: with or without levels, cards, wind and collision.
-        quantise: store places as 16-bit and directions as 8-bit fractions (KHR_mesh_quantization): half the
-            file, for programs that read it.
+        quantise: store places in 16 and directions in 8 bits (KHR_mesh_quantization): two thirds of the file,
+            for programs that read it.
         instanced: store one leaf and the leaves' places (EXT_mesh_gpu_instancing), for programs that read it.
         engine: whose names solid bodies get (see `name_bodies`).
 
