@@ -107,11 +107,16 @@ def place_vertices(
         angle = _TURN * wp.float64(column % count) / wp.float64(count)
         outward = wp.cos(angle) * one[ring] + wp.sin(angle) * two[ring]
         normal = tangent[ring]
+        # A ring of two sides is a blade: its normals lean to the front and to the back.
+        lean = wp.float64(0.0)
         if not apex:
-            normal = unit(outward - slope[ring] * tangent[ring])
+            if count == 2:
+                lean = _TURN / wp.float64(8.0) * wp.float64(1 - column)
+            facing = wp.cos(angle + lean) * one[ring] + wp.sin(angle + lean) * two[ring]
+            normal = unit(facing - slope[ring] * tangent[ring])
         around = (wp.float64(column) + shift) / wp.float64(count)
         u = around * wp.float64(repeats[row])
-        turned = _TURN * (around - wp.floor(around))
+        turned = _TURN * (around - wp.floor(around)) + lean
         along = wp.cos(turned) * two[ring] - wp.sin(turned) * one[ring]
         at = center[ring] + radius[ring] * outward
         vertex = vertex_start[row] + column

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flowtree.meshing.branch_axes import BranchAxes, Ints
+from flowtree.meshing.branch_axes import BranchAxes, Floats, Ints
 
 
-def drop_rings(axes: BranchAxes, tolerance: float) -> NDArray[np.bool_]:
+def drop_rings(axes: BranchAxes, tolerance: Floats) -> NDArray[np.bool_]:
     """Few rings between which the axis and the radius run straight, up to a tolerance.
 
     Every branch keeps its first and its last ring. Where the ring that lies farthest from the straight
-    between two kept ones, by its centre's distance plus its radius's, is farther than ``tolerance`` [m], it
-    is kept too (Ramer 1972, Douglas and Peucker 1973), in all branches at once.
+    between two kept ones, by its centre's distance plus its radius's, is farther than the branch's tolerance
+    (c,) [m], it is kept too (Ramer 1972, Douglas and Peucker 1973), in all branches at once.
 
     Returns: (k,), the rows that stay.
     """
@@ -29,7 +29,7 @@ def drop_rings(axes: BranchAxes, tolerance: float) -> NDArray[np.bool_]:
         straight = axes.center[before] + share[:, None] * (axes.center[after] - axes.center[before])
         radius = axes.radius[before] + share * (axes.radius[after] - axes.radius[before])
         away = np.linalg.norm(axes.center - straight, axis=1) + np.abs(axes.radius - radius)
-        far = np.flatnonzero(~kept & (away > tolerance))
+        far = np.flatnonzero(~kept & (away > tolerance[axes.chain]))
         if not len(far):
             return kept
         # The farthest of each gap; of equally far ones the first.

@@ -21,6 +21,9 @@ _THICK = 0.3  # of the parent's radius; thicker branches grow out of it in a cur
 _COLLAR = 0.22  # by how much a branch is thicker where it leaves its parent
 _COLLAR_REACH = 0.9  # of the branch's radius, over which that fades
 _FLARE_REACH = 1.3  # of the trunk's radius, over which the root flare fades
+_STOUT = 0.004  # of the extent: the radius from which a branch must be twice as true to its shape as a twig
+_BLADE = 0.15  # of the tolerance: thinner twigs have no thickness
+_FLAT = 0.01  # of the extent: less of a tolerance finer than this
 _FADING = (0.0, 0.5, 1.2, 2.6)  # where rings follow a fading, in units of its reach
 
 
@@ -37,7 +40,7 @@ class Rings:
         bark_radius: (k,) [m], the radius without flare, collar and cap: what the bark's width follows.
         chain: (k,), which branch, counted from 0 without gaps.
         node: (k,), the skeleton node whose segment carries the ring.
-        sides: (c,), sides of each branch's rings.
+        sides: (c,), sides of each branch's rings; 2 make a blade with a front and a back.
     """
 
     center: Floats
@@ -71,7 +74,7 @@ def place_rings(skeleton: Skeleton, params: MeshingParams) -> Rings:
 
     width = np.zeros(len(base.root))
     np.maximum.at(width, axes.chain, axes.radius)
-    sides = _side_count(width, width.max(), params.sides)
+    sides = _side_count(width, width.max(), params)
     thick_enough = ~base.root & (axes.radius[axes.first] > _THICK * base.parent_radius) & (sides >= 6)
     axes, bent = ease_forks(axes, points, parent, base.fork, base.parent_radius, thick_enough)
 
@@ -83,16 +86,18 @@ def place_rings(skeleton: Skeleton, params: MeshingParams) -> Rings:
     arc = axes.arc()
     fading = np.exp(-np.maximum(arc - leaving[axes.chain], 0.0) / reach[axes.chain])
     radius = axes.radius * (1.0 + amount[axes.chain] * fading)
-    inside = base.parent_radius * np.cos(np.pi / _side_count(base.parent_radius, width.max(), params.sides))
+    inside = base.parent_radius * np.cos(np.pi / _side_count(base.parent_radius, width.max(), params))
     hidden = ~base.root[axes.chain] & (arc < leaving[axes.chain])
     hidden[axes.first] = ~base.root
     radius = np.where(hidden, np.minimum(radius, 0.97 * inside[axes.chain]), radius)
     if not params.tolerance:
         return _cap(axes, radius, sides, base.root)
     tolerance = params.tolerance * extent
-    kept = drop_rings(BranchAxes(axes.center, radius, axes.chain, axes.node), tolerance)
+    strict = tolerance / (1.0 + width / (_STOUT * extent))
+    kept = drop_rings(BranchAxes(axes.center, radius, axes.chain, axes.node), strict)
     rings = _cap(axes.at(kept), radius[kept], sides, base.root)
-    return _sharpen(rings, tolerance, np.where(base.root, np.inf, 0.97 * inside))
+    thin = width < _BLADE * tolerance * min(1.0, params.tolerance / _FLAT)
+    return _sharpen(rings, tolerance, np.where(base.root, np.inf, 0.97 * inside + tolerance), thin)
 
 
 @dataclass(frozen=True)
@@ -136,15 +141,16 @@ def _axes(
     return axes, _Base(root, leaves_from, thick[leaves_from], leaving)
 
 
-def _side_count(radius: Floats, thickest: float, sides: int) -> Ints:
+def _side_count(radius: Floats, thickest: float, params: MeshingParams) -> Ints:
     """Even, as a texture that runs out and back turns at a corner; but 3 for twigs, and where 3 is asked for.
 
     It falls with the cube root of the radius. Equal deviation from the circle would ask for the square root,
-    but 4 sides show on a branch one walks by.
+    but 4 sides show on a branch one walks by: only with a tolerance is it that.
     """
-    wanted = sides * np.cbrt(radius / thickest)
-    even = np.clip(2 * np.rint(wanted / 2.0), 4, max(4, sides - sides % 2))
-    count: Ints = np.where((wanted < 3.0) | (sides == 3), 3, even).astype(np.int64)
+    share = radius / thickest
+    wanted = params.sides * (np.sqrt(share) if params.tolerance else np.cbrt(share))
+    even = np.clip(2 * np.rint(wanted / 2.0), 4, max(4, params.sides - params.sides % 2))
+    count: Ints = np.where((wanted < 3.0) | (params.sides == 3), 3, even).astype(np.int64)
     return count
 
 
@@ -224,23 +230,26 @@ def _cap(axes: BranchAxes, radius: Floats, sides: Ints, root: NDArray[np.bool_])
     )
 
 
-def _sharpen(rings: Rings, tolerance: float, widest: Floats) -> Rings:
-    """Lets twigs no thicker than the tolerance run out into their points, without a ring before them.
+def _sharpen(rings: Rings, tolerance: float, widest: Floats, thin: NDArray[np.bool_]) -> Rings:
+    """Lets branches no thicker at their tips than the tolerance run out into points, without a ring before.
 
-    A twig that has only its base left then is as wide there as both its ends together were, but no wider than
-    ``widest`` (c,) [m]: so much of it is still to be seen.
+    One that has only its base left then is as wide there as both its ends together were, but no wider than
+    ``widest`` (c,) [m]: so much of it is still to be seen. If it is ``thin`` (c,), it is a blade: of two
+    sides, without thickness.
     """
     first = np.flatnonzero(np.diff(rings.chain, prepend=-1))
     apex = np.append(first[1:], len(rings.chain)) - 1
-    sharp = (rings.sides <= 4) & (rings.radius[apex - 1] <= tolerance) & (apex - 1 > first)
-    short = sharp & (apex - 2 == first)
+    cap = np.where(rings.sides > 4, 2, 1)  # rows above a branch's last ring
+    sharp = (rings.radius[apex - cap] <= tolerance) & (apex - cap > first)
+    short = sharp & (apex - cap - 1 == first)
     radius = rings.radius.copy()
-    both = radius[first[short]] + radius[apex[short] - 1]
+    both = radius[first[short]] + radius[(apex - cap)[short]]
     radius[first[short]] = np.maximum(radius[first[short]], np.minimum(both, widest[short]))
     kept = np.ones(len(rings.chain), np.bool_)
     kept[apex[sharp] - 1] = False
+    kept[(apex - cap)[sharp]] = False
     rows = {each.name: getattr(rings, each.name)[kept] for each in fields(rings) if each.name != "sides"}
-    return replace(rings, **rows | {"radius": radius[kept]})
+    return replace(rings, **rows | {"radius": radius[kept]}, sides=np.where(short & thin, 2, rings.sides))
 
 
 def _tangents(axes: BranchAxes) -> Floats:

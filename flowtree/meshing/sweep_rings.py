@@ -8,10 +8,10 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from flowtree import check
 from flowtree import device as devices
 from flowtree.kernels import sweep_rings as kernels
 from flowtree.meshing.branch_axes import Floats, Ints
+from flowtree.meshing.check_skeleton import check_skeleton
 from flowtree.meshing.map_bark import BarkMap, map_bark
 from flowtree.meshing.place_rings import Rings, place_rings
 from flowtree.meshing.transport_frames import transport_frames
@@ -19,6 +19,7 @@ from flowtree.model.mesh import TreeMesh
 from flowtree.model.skeleton import Skeleton
 from flowtree.params import MeshingParams
 
+_GOLDEN_ANGLE = np.pi * (3.0 - 5.0**0.5)
 _SPLIT_FROM = 512  # rows of vertices
 
 
@@ -54,7 +55,7 @@ def sweep_rings(
         InputError: fewer than two nodes; lengths that differ; a parent that does not come before its child;
             NaN; a negative radius; all nodes in one place.
     """
-    _check(skeleton)
+    check_skeleton(skeleton)
     rings = place_rings(skeleton, params)
     bark = map_bark(rings, params.bark_scale)
     sides = rings.sides[rings.chain[bark.ring]]
@@ -77,6 +78,9 @@ def _place(
 ) -> tuple[NDArray[np.float32], ...]:
     """Positions [m], normals, texture coordinates and tangents of all rows of vertices."""
     one, two = transport_frames(rings.center, rings.tangent, rings.chain, device=device)
+    # Blades lie all ways round, or from one side all of them would be seen by their edges.
+    turn = np.where(rings.sides == 2, _GOLDEN_ANGLE * np.arange(len(rings.sides)), 0.0)[rings.chain][:, None]
+    one, two = np.cos(turn) * one + np.sin(turn) * two, np.cos(turn) * two - np.sin(turn) * one
 
     def up(values: Floats | Ints, kind: Any) -> Any:
         return devices.upload(values.astype(np.int32 if kind is wp.int32 else np.float64), kind, device)
@@ -110,20 +114,3 @@ def _triangles(rings: Rings, ring_of_row: Ints, offset: Ints) -> NDArray[np.int3
     corner = np.arange(len(base)) - np.repeat(np.cumsum(fan) - fan, fan) + 1
     floor = np.stack([base, base + corner + 1, base + corner], axis=1)
     return np.concatenate([wall, floor]).astype(np.int32)
-
-
-def _check(skeleton: Skeleton) -> None:
-    n = len(skeleton.parent)
-    check.require(n >= 2, "skeleton", "needs two nodes or more", n, "trace more particles")
-    check.array(skeleton.points, "skeleton points", shape=(n, 3))
-    check.array(skeleton.radius, "skeleton radius", shape=(n,), low=0.0)
-    check.array(skeleton.particles, "skeleton particles", shape=(n,), dtype=np.int32)
-    parent = check.array(skeleton.parent, "skeleton parent", shape=(n,), dtype=np.int32)
-    before = parent[0] == -1 and bool(np.all((parent[1:] >= 0) & (parent[1:] < np.arange(1, n))))
-    check.require(
-        before,
-        "skeleton parent",
-        "must be -1 at node 0 alone and come before its child",
-        "another order",
-        "sort the nodes from the root to the tips",
-    )

@@ -77,11 +77,13 @@ def place_vertices(
         for column in range(count if apex else count + 1):
             angle = 2.0 * np.pi * (column % count) / count
             outward = np.cos(angle) * one[ring] + np.sin(angle) * two[ring]
+            lean = 0.25 * np.pi * (1 - column) if count == 2 and not apex else 0.0
+            facing = np.cos(angle + lean) * one[ring] + np.sin(angle + lean) * two[ring]
             around = (column + 0.5 * apex) / count
-            turned = 2.0 * np.pi * (around % 1.0)
+            turned = 2.0 * np.pi * (around % 1.0) + lean
             vertex = vertex_start[row] + column
             position_out[vertex] = center[ring] + radius[ring] * outward
-            normal_out[vertex] = tangent[ring] if apex else unit(outward - slope[ring] * tangent[ring])
+            normal_out[vertex] = tangent[ring] if apex else unit(facing - slope[ring] * tangent[ring])
             uv_out[vertex] = uv_start[row] + np.array([around * repeats[row], 0.0])
             tangent_out[vertex, :3] = np.cos(turned) * two[ring] - np.sin(turned) * one[ring]
             tangent_out[vertex, 3] = 1.0

@@ -59,7 +59,7 @@ def test_vertices_equal_their_twins(device, seed):
     radius, slope = rng.uniform(0, 1, rings), rng.uniform(-2, 2, rings)
     slope[rng.random(rings) < 0.2] = -np.inf
     ring_of = np.sort(rng.integers(0, rings, rings + 3)).astype(np.int32)
-    sides = rng.integers(3, 9, len(ring_of)).astype(np.int32)
+    sides = rng.integers(2, 9, len(ring_of)).astype(np.int32)
     columns = sides + ~np.isneginf(slope)[ring_of]
     start = np.concatenate([[0], np.cumsum(columns)]).astype(np.int32)
     repeats = rng.integers(1, 4, len(ring_of)).astype(np.int32)

@@ -1,0 +1,62 @@
+"""Fewer and larger leaves that let as much light through as all of them."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flowtree.geometry.cutout_area import cutout_area
+from flowtree.geometry.frames import turn_vectors
+from flowtree.model.foliage import Foliage
+from flowtree.model.mesh import Material, TreeMesh
+
+
+def thin_leaves(foliage: Foliage, order: NDArray[np.int64], count: int, leaf: TreeMesh) -> Foliage:
+    """The first ``count`` leaves of an order, of another shape, larger by what the others hid.
+
+    The area that passes the alpha test, over all leaves, stays: so does the crown's optical depth. A leaf
+    grows about the middle of its blade, not away from its twig: the crown's outline does not.
+
+    Args:
+        foliage: n leaves.
+        order: (n,), as `spread_order` gives it: a leaf of a short beginning is in every longer one too.
+        count: leaves to keep.
+        leaf: their shape, in the frame of `Foliage`.
+
+    Returns: leaves in the order of ``foliage``, of its material.
+    """
+    kept = np.sort(order[:count])
+    old, new = _seen_area(foliage.leaf, foliage.material), _seen_area(leaf, foliage.material)
+    whole = float(np.sum(foliage.scale.astype(np.float64) ** 2))
+    left = float(np.sum(foliage.scale[kept].astype(np.float64) ** 2))
+    growth = np.sqrt(whole * old / (left * new)) if left * new > 0 else 1.0
+    scale = foliage.scale[kept].astype(np.float64)
+    middle, new_middle = _middle(foliage.leaf), _middle(leaf)
+    shift = turn_vectors(foliage.rotation[kept], middle - growth * new_middle) * scale[:, None]
+    rows = {each.name: getattr(foliage, each.name) for each in fields(foliage)}
+    changed: dict[str, Any] = {
+        name: value[kept] for name, value in rows.items() if isinstance(value, np.ndarray)
+    }
+    changed["position"] = (foliage.position[kept] + shift).astype(np.float32)
+    changed["scale"] = (growth * scale).astype(np.float32)
+    return replace(foliage, leaf=leaf, **changed)
+
+
+def _seen_area(leaf: TreeMesh, material: Material) -> float:
+    """Area [m²] of a leaf 1 m long that passes the alpha test."""
+    picture = material.base_color
+    tested = picture.shape[2] == 4 and material.alpha_cutoff is not None
+    alpha = picture[:, :, 3] if tested else np.full((1, 1), 255, np.uint8)
+    return cutout_area(leaf.positions, leaf.uvs, leaf.triangles, alpha, material.alpha_cutoff or 0.0)
+
+
+def _middle(leaf: TreeMesh) -> NDArray[np.float64]:
+    """(3,) the middle of the surface, in leaf lengths."""
+    a, b, c = (leaf.positions[leaf.triangles[:, k]].astype(np.float64) for k in range(3))
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    total = float(area.sum())
+    middle: NDArray[np.float64] = (area[:, None] * (a + b + c)).sum(axis=0) / (3.0 * max(total, 1e-12))
+    return middle

@@ -1,0 +1,186 @@
+"""A tree in several levels of detail."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flowtree import check
+from flowtree.geometry.spread_order import spread_order
+from flowtree.levels.rank_branches import BranchRank, rank_branches
+from flowtree.levels.share_triangles import share_triangles
+from flowtree.levels.simplify_leaf import simplify_leaf
+from flowtree.levels.thin_leaves import thin_leaves
+from flowtree.levels.thin_skeleton import thin_skeleton
+from flowtree.meshing.sweep_rings import sweep_rings
+from flowtree.model.foliage import Foliage
+from flowtree.model.mesh import TreeMesh
+from flowtree.model.skeleton import Skeleton
+from flowtree.model.tree import TreeModel
+from flowtree.params import MeshingParams
+
+_MOST_LEVELS = 4
+_NEXT = 2  # times fewer triangles in level 1 than in level 0
+_FAR, _FAR_SHARE = 4000, 15  # level 2: triangles at most, and how many times fewer than in level 0
+_FARTHEST = 4  # times fewer in level 3 than in level 2
+_NEAR_ENOUGH = 0.94  # of the wood's triangles: more than this are used where there are branches left
+_TRIES = 8
+_MOST_SHARE = 1.6
+
+_Wood = tuple[Skeleton, NDArray[np.int32], TreeMesh]
+
+
+def build_levels(
+    tree: TreeModel,
+    *,
+    max_triangles: int = 60_000,
+    count: int = 4,
+    meshing: MeshingParams = MeshingParams(),
+    seed: int = 0,
+    device: str | None = None,
+) -> tuple[TreeModel, ...]:
+    """Makes levels of detail from the tree's skeleton and leaves, the finest first.
+
+    Level 0 has ``max_triangles`` at most, and is the tree itself where that fits; level 1 has half of
+    them, level 2 a fifteenth and 4,000 at most, level 3 a quarter of that. The wood is swept anew, with fewer
+    sides and rings and, where that is not enough, fewer and thicker twigs (see `thin_skeleton`); there are
+    fewer and larger leaves (see `thin_leaves`) of fewer triangles (see `simplify_leaf`). A branch or leaf of
+    a level is in all finer ones, too. Leaves of branches that are gone belong to the node where these began.
+
+    Args:
+        tree: with its skeleton.
+        max_triangles: of level 0; 0 leaves it as it is.
+        count: of levels, 1 to 4.
+        meshing: how the tree's wood was made.
+        seed: which of many equal twigs and leaves are kept.
+        device: to run on.
+
+    Raises:
+        InputError: a budget too small for the trunk, a number of levels out of range.
+    """
+    check.require(
+        1 <= count <= _MOST_LEVELS, "levels", f"must be 1 to {_MOST_LEVELS}", count, "ask for fewer levels"
+    )
+    check.require(max_triangles >= 0, "max_triangles", "must be 0 or more", max_triangles, "give another")
+    whole = _triangles(tree)
+    finest = min(max_triangles, whole) if max_triangles else whole
+    far = min(_FAR, finest // _FAR_SHARE)
+    budgets = (finest, finest // _NEXT, far, far // _FARTHEST)[:count]
+    if count == 1 and whole <= finest:
+        return (tree,)
+    rank = rank_branches(tree.skeleton, seed=seed)
+    foliage = tree.foliage
+    order = None if foliage is None else spread_order(foliage.position, seed=seed)
+    return tuple(
+        tree if whole <= budget else _build_level(tree, budget, rank, order, meshing, device)
+        for budget in budgets
+    )
+
+
+def _triangles(tree: TreeModel) -> int:
+    foliage = tree.foliage
+    leaves = 0 if foliage is None else len(foliage.position) * len(foliage.leaf.triangles)
+    return len(tree.wood.triangles) + leaves
+
+
+def _build_level(
+    tree: TreeModel,
+    budget: int,
+    rank: BranchRank,
+    order: NDArray[np.int64] | None,
+    meshing: MeshingParams,
+    device: str | None,
+) -> TreeModel:
+    foliage = tree.foliage if tree.foliage is not None and len(tree.foliage.position) else None
+    shapes = [] if foliage is None else _leaf_shapes(foliage)
+    fewest = 0 if foliage is None else len(foliage.position) * len(shapes[-1].triangles)
+    shares = share_triangles(budget, branches=len(rank.fork), leaves=fewest, sides=meshing.sides)
+    params = meshing.model_copy(update={"sides": shares.sides, "tolerance": shares.tolerance})
+    thickening = shares.thickening * tree.height
+    skeleton, moved, wood = _fit_wood(tree, rank, shares.wood, thickening, params, device)
+    check.require(
+        len(wood.triangles) <= budget,
+        "max_triangles",
+        f"must be at least {len(wood.triangles)}, for the trunk alone",
+        budget,
+        "allow more triangles or fewer levels",
+    )
+    if foliage is not None and order is not None:
+        left = budget - len(wood.triangles)
+        fits = (leaf for leaf in shapes if len(leaf.triangles) * len(order) <= left)
+        leaf = next(fits, shapes[-1])
+        count = min(len(order), left // len(leaf.triangles))
+        thinned = thin_leaves(foliage, order, count, leaf) if count else None
+        foliage = None if thinned is None else replace(thinned, node=moved[thinned.node])
+    return replace(tree, skeleton=skeleton, wood=wood, foliage=foliage)
+
+
+def _leaf_shapes(foliage: Foliage) -> list[TreeMesh]:
+    """The leaf and simpler ones, the one of most triangles first."""
+    simpler = [
+        simplify_leaf(foliage.leaf, foliage.material, bands=bands, pieces=pieces)
+        for bands, pieces in ((2, 2), (2, 1), (1, 1))
+    ]
+    found = [foliage.leaf]
+    for leaf in simpler:
+        if len(leaf.triangles) < len(found[-1].triangles):
+            found.append(leaf)
+    return found
+
+
+def _fit_wood(
+    tree: TreeModel,
+    rank: BranchRank,
+    budget: int,
+    most: float,
+    params: MeshingParams,
+    device: str | None,
+) -> _Wood:
+    """The skeleton with as many branches as the budget allows, its nodes for those of the whole, its wood.
+
+    Where even the trunk alone has more triangles than the budget, it is the trunk.
+    """
+    share = 1.0
+
+    def build(count: int) -> _Wood:
+        """Makes up for what the last try's surface lacked."""
+        nonlocal share
+        thinned, moved = thin_skeleton(tree.skeleton, rank, count, most=most, share=share)
+        wood = sweep_rings(thinned, params=params, device=device)
+        share = float(np.clip(share * whole / _surface(wood), 1.0, _MOST_SHARE))
+        return thinned, moved, wood
+
+    whole, count = _surface(tree.wood), len(rank.fork)
+    best = build(count)
+    if len(best[2].triangles) <= budget or count == 1:
+        again = build(count)
+        return again if len(again[2].triangles) <= budget else best
+    high = (count, len(best[2].triangles))
+    best = build(1)
+    low = (1, len(best[2].triangles))
+    if low[1] > budget:
+        return best
+    share = 1.0
+    aim = 0.5 * (1.0 + _NEAR_ENOUGH) * budget
+    for _ in range(_TRIES):
+        if low[1] >= _NEAR_ENOUGH * budget or high[0] - low[0] < 2:
+            break
+        # Triangles grow with a power of the branches.
+        rise = np.log(aim / low[1]) / np.log(high[1] / low[1])
+        between = low[0] * (high[0] / low[0]) ** np.clip(rise, 0.1, 0.9)
+        count = int(np.clip(round(between), low[0] + 1, high[0] - 1))
+        made = build(count)
+        triangles = len(made[2].triangles)
+        if triangles <= budget:
+            best, low = made, (count, triangles)
+        else:
+            high = (count, triangles)
+    return best
+
+
+def _surface(mesh: TreeMesh) -> float:
+    """[m²]; of a slender body a quarter of it is seen, on average over all directions (Cauchy's formula)."""
+    a, b, c = (mesh.positions[mesh.triangles[:, k]].astype(np.float64) for k in range(3))
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) / 2.0
