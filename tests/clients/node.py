@@ -41,22 +41,22 @@ def load_in_three(*paths: Path) -> list[dict[str, Any]]:
 def _run(script: str, paths: tuple[Path, ...]) -> list[dict[str, Any]]:
     command = ["node", str(_HERE / script), *(str(path.resolve()) for path in paths)]
     done = subprocess.run(
-        command, cwd=_modules(), capture_output=True, text=True, timeout=_RUN_SECONDS, check=False
+        command, cwd=modules(), capture_output=True, text=True, timeout=_RUN_SECONDS, check=False
     )
     assert done.returncode == 0, done.stderr[-2000:]
     reports: list[dict[str, Any]] = json.loads(done.stdout)
     return reports
 
 
-def _modules() -> Path:
+def modules() -> Path:
     """The folder with node_modules; skips the test where it cannot be had, except in CI, where it must be."""
     folder, reason = _install()
     if folder is None:
-        _give_up(reason)
+        give_up(reason)
     return folder
 
 
-def _give_up(reason: str) -> NoReturn:
+def give_up(reason: str) -> NoReturn:
     if os.environ.get("CI", "").lower() in {"1", "true"}:
         pytest.fail(f"CI needs the JavaScript clients: {reason}")
     pytest.skip(reason)
