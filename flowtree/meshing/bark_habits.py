@@ -93,7 +93,9 @@ def papery(rng: np.random.Generator, size: int) -> tuple[Floats, Floats]:
     scar = _step(1.75, 2.15, patches)
     peel = np.clip(band - 1.2, 0.0, 1.0)
     edge = np.clip(np.roll(peel, 2, axis=0) - peel, 0.0, 1.0)
-    height = 0.0012 * band + 0.004 * peel - 0.003 * dash + 0.004 * scar * (0.6 + 0.4 * torn) + 0.0004 * crumb
+    height = (
+        0.0006 * band + 0.0022 * peel - 0.0014 * dash + 0.003 * scar * (0.6 + 0.4 * torn) + 0.0003 * crumb
+    )
     light = (1.04 + 0.03 * band + 0.02 * fine + 0.025 * crumb) * (1.0 - 0.66 * dash)
     light = light * (1.0 - 0.74 * scar * (0.8 + 0.2 * np.clip(torn, -1.0, 1.0))) - 0.10 * peel - 0.9 * edge
     return height, _tinted(light, 0.12 * peel + 0.06 * dash + 0.025 * tile_noise(rng, size, 3, 4))

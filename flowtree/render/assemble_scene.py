@@ -30,6 +30,7 @@ class Scene:
         leaf: the leaves' material; None for a bare tree.
         alpha: (h, w) float32 in 0..1, the leaf texture's alpha.
         cutoff: where alpha is smaller no leaf is.
+        tangents: (wood_vertices, 4) float32, as in `TreeMesh`; None where the bark shows no normal map.
     """
 
     positions: NDArray[np.float32]
@@ -43,6 +44,7 @@ class Scene:
     leaf: Material | None
     alpha: NDArray[np.float32]
     cutoff: float
+    tangents: NDArray[np.float32] | None = None
 
 
 def assemble_scene(tree: TreeModel) -> Scene:
@@ -90,6 +92,7 @@ def assemble_scene(tree: TreeModel) -> Scene:
         leaf=None if leaves is None else leaves.material,
         alpha=alpha,
         cutoff=cutoff,
+        tangents=None if tree.bark.normal is None else wood.tangents,
     )
 
 
@@ -142,6 +145,8 @@ def _check_mesh(mesh: TreeMesh, thing: str) -> None:
     check.array(mesh.positions, f"{thing} positions", shape=(count, 3))
     check.array(mesh.normals, f"{thing} normals", shape=(count, 3))
     check.array(mesh.uvs, f"{thing} uvs", shape=(count, 2))
+    if mesh.tangents is not None:
+        check.array(mesh.tangents, f"{thing} tangents", shape=(count, 4))
     if mesh.colors is not None:
         check.array(mesh.colors, f"{thing} colors", shape=(count, 3), low=0.0)
     check.array(mesh.triangles, f"{thing} triangles", shape=(None, 3), low=0, high=max(count - 1, 0))

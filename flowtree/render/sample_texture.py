@@ -1,4 +1,4 @@
-"""Colours from a texture, at the size at which it is seen."""
+"""Colours or normals from a texture, at the size at which it is seen."""
 
 from __future__ import annotations
 
@@ -30,10 +30,18 @@ def build_pyramid(texture: NDArray[np.uint8]) -> list[NDArray[np.float32]]:
     return levels
 
 
+def build_normal_pyramid(texture: NDArray[np.uint8]) -> list[NDArray[np.float32]]:
+    """A normal map (h, w, 3) as vectors, halved again and again: shorter where it is rough."""
+    levels = [texture.astype(np.float32) / np.float32(127.5) - np.float32(1)]
+    while max(levels[-1].shape[:2]) > 1:
+        levels.append(_halve(levels[-1]))
+    return levels
+
+
 def sample_texture(
     levels: list[NDArray[np.float32]], uv: NDArray[np.float32], level: NDArray[np.integer]
 ) -> NDArray[np.float32]:
-    """Linear colours (n, 3) at (n, 2) coordinates between the texels of a level each; the texture repeats."""
+    """Colours, or normals, (n, 3) at (n, 2) coordinates between texels, of a level each; textures repeat."""
     colors = np.empty((len(uv), 3), np.float32)
     for number, picture in enumerate(levels):
         chosen = np.flatnonzero(level == number)

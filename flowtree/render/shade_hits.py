@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from flowtree.params import RenderParams
 from flowtree.render.assemble_scene import Scene, corner_points
 from flowtree.render.cast_scene import ParallelView, RayHits, cast_scene
-from flowtree.render.sample_texture import build_pyramid, sample_texture
+from flowtree.render.sample_texture import build_normal_pyramid, build_pyramid, sample_texture
 
 _SUN_COLOR = np.array([1.0, 0.93, 0.80], np.float32)
 _SKY_COLOR = np.array([0.78, 0.90, 1.10], np.float32)
@@ -21,6 +21,7 @@ _PASSED = np.array([0.75, 0.80, 0.35], np.float32)
 _PASSED_PLAIN = np.float32(0.75)
 _GLOW = 2.0  # the sun is a small source: where it shines through, a leaf glows more than it darkens the rest
 _LEAF_WRAP = 0.25  # a blade is curved and its neighbours' light fills in: its terminator is soft
+_RELIEF_SKY = 0.5  # how much brighter the sky makes bark that the relief turns up
 _SHADOW_SIZE = 1024  # rays along the longer side of the sun's picture, at most
 
 
@@ -98,16 +99,17 @@ def shade_hits(
     visible = _sun_share(view, lighting, x, y, hits.near.ravel()[ray])
     indirect, direct = _light_vertices(scene, view.axes[2], lighting, params)
     spread = _spread(np.concatenate([indirect, direct, scene.uvs], axis=1), corners, weight)
-    color = spread[:, :3] + visible[:, None] * spread[:, 3:6]
     uv = spread[:, 6:]
     level = _texture_level(scene, hits.corner)[triangle]
     wood = triangle < scene.wood_triangles
+    if scene.tangents is not None and wood.any():
+        facing = _bark_facing(scene, lighting, corners[:, wood], weight[:, wood], uv[wood], level[wood])
+        spread[wood, :3] *= facing[:, 1:]
+        spread[wood, 3:6] *= facing[:, :1]
+    color = spread[:, :3] + visible[:, None] * spread[:, 3:6]
     for chosen, material in ((wood, scene.bark), (~wood, scene.leaf)):
         if material is not None and chosen.any():
-            pyramid = build_pyramid(material.base_color)
-            size = 0.5 * np.log2(material.base_color.shape[0] * material.base_color.shape[1])
-            number = np.clip(np.rint(level[chosen] + size), 0, len(pyramid) - 1).astype(np.int8)
-            color[chosen] *= sample_texture(pyramid, uv[chosen], number)
+            color[chosen] *= _look_up(build_pyramid(material.base_color), uv[chosen], level[chosen])
     return ray, _compress(color)
 
 
@@ -133,7 +135,8 @@ def _light_vertices(
     facing = (sun[:, None] * normals).sum(axis=0)[:, None]
     indirect, direct = np.empty_like(scene.colors), np.empty_like(scene.colors)
     indirect[wood] = front[wood]
-    direct[wood] = np.maximum(facing[wood], 0) * _SUN_COLOR
+    # A normal map tells later, ray by ray, how far bark faces the sun.
+    direct[wood] = (1 if scene.tangents is not None else np.maximum(facing[wood], 0)) * _SUN_COLOR
     share = np.float32(0.0 if scene.leaf is None else scene.leaf.translucency)
     passed = share * _passed_light(scene.colors[leaf])
     indirect[leaf] = (1 - share) * front[leaf] + back[leaf] * passed
@@ -141,6 +144,48 @@ def _light_vertices(
     on, through = np.maximum(softened, 0)
     direct[leaf] = (on + np.float32(_GLOW) * through * passed) * _SUN_COLOR
     return indirect * scene.colors, direct * scene.colors * np.float32(params.sun)
+
+
+def _bark_facing(
+    scene: Scene,
+    lighting: Lighting,
+    corners: NDArray[np.int32],
+    weight: NDArray[np.float32],
+    uv: NDArray[np.float32],
+    level: NDArray[np.float32],
+) -> NDArray[np.float32]:
+    """How far the bark under rays faces the sun, and by what its relief changes the sky's light: (n, 2).
+
+    Args:
+        scene: with tangents.
+        lighting: of the scene.
+        corners: (3, n) of the rays' triangles, all of the wood.
+        weight: (3, n) of the corners.
+        uv: (n, 2).
+        level: (n,) as `_texture_level` gives it.
+    """
+    assert scene.tangents is not None
+    assert scene.bark.normal is not None
+    normal = scene.normals[:, : scene.wood_vertices].T
+    right = scene.tangents[:, :3]
+    axes = (right, np.cross(normal, right) * scene.tangents[:, 3:], normal)
+    up = np.array([0.0, 1.0, 0.0], np.float32)
+    lights = [lighting.toward_sun.astype(np.float32), up]
+    there = np.stack([(axis * light).sum(axis=1) for light in lights for axis in axes], axis=1)
+    seen = _spread(there.astype(np.float32), corners, weight)
+    relief = _look_up(build_normal_pyramid(scene.bark.normal), uv, level)
+    sun = np.maximum((relief * seen[:, :3]).sum(axis=1), 0)
+    sky = 1 + np.float32(_RELIEF_SKY) * ((relief * seen[:, 3:]).sum(axis=1) - seen[:, 5])
+    return np.stack([sun, np.clip(sky, 0.4, 1.6)], axis=1)
+
+
+def _look_up(
+    pyramid: list[NDArray[np.float32]], uv: NDArray[np.float32], level: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """The texture at (n, 2) coordinates, from the level that suits each ray."""
+    size = 0.5 * np.log2(pyramid[0].shape[0] * pyramid[0].shape[1])
+    number = np.clip(np.rint(level + size), 0, len(pyramid) - 1).astype(np.int8)
+    return sample_texture(pyramid, uv, number)
 
 
 def _passed_light(color: NDArray[np.float32]) -> NDArray[np.float32]:

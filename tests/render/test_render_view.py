@@ -10,8 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flowtree.geometry.srgb import encode_srgb
+from flowtree.meshing.sweep_rings import sweep_rings
 from flowtree.model.camera import Camera
 from flowtree.model.mesh import Material
+from flowtree.model.tree import TreeModel
 from flowtree.params import RenderParams
 from flowtree.render.assemble_scene import assemble_scene
 from flowtree.render.fit_camera import fit_camera
@@ -19,7 +21,7 @@ from flowtree.render.gather_sky_light import gather_sky_light
 from flowtree.render.render_mask import render_mask
 from flowtree.render.render_view import render_view
 from flowtree.render.sample_texture import build_pyramid, sample_texture
-from tests.trees import bare_tree, hand_made_tree, unusual_tree
+from tests.trees import bare_tree, hand_made_skeleton, hand_made_tree, unusual_tree
 
 
 @settings(max_examples=5, deadline=None)
@@ -55,6 +57,31 @@ def test_more_light_is_brighter_and_none_is_black():
     assert levels[0] == 0
     assert levels == sorted(levels)
     assert levels[0] < levels[1] < levels[2] < levels[3]
+
+
+def _trunk(normal):
+    """A stem whose bark is plain but for its relief."""
+    skeleton = hand_made_skeleton(0)
+    bark = Material("bark", np.full((16, 16, 3), 128, np.uint8), normal=normal)
+    return TreeModel("stem", 3.5, skeleton, sweep_rings(skeleton), bark, None)
+
+
+def test_a_flat_relief_changes_nothing_and_a_leaning_one_catches_the_sun():
+    flat, right, left = (
+        np.broadcast_to(np.array(color, np.uint8), (16, 16, 3)).copy()
+        for color in ((128, 128, 255), (200, 128, 220), (55, 128, 220))
+    )
+    plain, same, rightward, leftward = (_trunk(normal) for normal in (None, flat, right, left))
+    camera = fit_camera(plain, 0.0, 96)
+    light = RenderParams(sun_azimuth=70.0, sun_elevation=20.0, sky=0.3)
+    one, two, lit, unlit = (
+        render_view(tree, camera, params=light).astype(float) for tree in (plain, same, rightward, leftward)
+    )
+    covered = one[:, :, 3] == 255
+    assert np.abs(one - two)[covered].mean() < 4.0  # a face's normals are one direction at its vertices alone
+    front = covered & (np.cumsum(covered, axis=1) * 2 < covered.sum(axis=1, keepdims=True))
+    assert lit[front][:, :3].mean() > one[front][:, :3].mean() + 5
+    assert unlit[front][:, :3].mean() < one[front][:, :3].mean() - 5
 
 
 def test_light_shines_through_translucent_leaves():
