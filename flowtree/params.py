@@ -279,7 +279,11 @@ class TwigParams(StageParams):
 class MeshingParams(StageParams):
     """The wood's surface."""
 
-    sides: int = _number(12, "sides of the thickest ring; even, or 3", ge=3, le=64)
+    surface: Literal["rings", "quads"] = _choice(
+        "rings", "rings: tubes that overlap at forks, fast; quads: one closed surface, smooth there"
+    )
+    subdivisions: int = _number(2, "how often the quads' control mesh is subdivided", ge=0, le=4)
+    sides: int = _number(12, "sides of the thickest ring; even, or 3; for rings alone", ge=3, le=64)
     tolerance: float = _number(
         0.0,
         "how far the surface may leave the finest one, for rings to be left out",

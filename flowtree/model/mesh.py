@@ -54,3 +54,20 @@ class TreeMesh:
     colors: NDArray[np.float32] | None = None
     tangents: NDArray[np.float32] | None = None
     node: NDArray[np.int32] | None = None
+
+
+@dataclass(frozen=True)
+class QuadMesh:
+    """A closed surface of quads, world frame; vertices are shared, so its texture coordinates are the corners'.
+
+    Attributes:
+        positions: (n, 3) float32 [m].
+        quads: (m, 4) int32, counter-clockwise seen from outside.
+        node: (n,) int32, the skeleton node whose segment carries the vertex.
+        uvs: (m, 4, 2) float32, of each quad's corners, as in `TreeMesh`.
+    """
+
+    positions: NDArray[np.float32]
+    quads: NDArray[np.int32]
+    node: NDArray[np.int32]
+    uvs: NDArray[np.float32]

@@ -35,10 +35,12 @@ from flowtree.geometry.closed_surfaces import is_watertight
 from flowtree.matting.judge_leafy import judge_leafy
 from flowtree.matting.paint_matte import paint_matte
 from flowtree.meshing.close_seams import close_seams
+from flowtree.meshing.connect_ramifications import connect_ramifications
 from flowtree.meshing.load_bark import load_bark
 from flowtree.meshing.measure_bark import measure_bark
 from flowtree.meshing.paint_bark import paint_bark
 from flowtree.meshing.sweep_rings import sweep_rings
+from flowtree.meshing.unwrap_quads import unwrap_quads
 from flowtree.model.attractor import AttractorGraph, Habit, LimbTree
 from flowtree.model.camera import Camera
 from flowtree.model.edit import PaintedEdit
@@ -267,7 +269,10 @@ def run_twigs(
 
 def run_meshing(job: Job, skeleton: Skeleton) -> TreeMesh:
     """The wood's surface."""
-    return sweep_rings(skeleton, params=job.params.meshing, device=job.device)
+    params = job.params.meshing
+    if params.surface == "quads":
+        return unwrap_quads(connect_ramifications(skeleton, params=params, device=job.device))
+    return sweep_rings(skeleton, params=params, device=job.device)
 
 
 def run_bark(

@@ -1,0 +1,243 @@
+"""The wood's surface as one closed mesh of quads (Manifold Ramifications, Ma et al.)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flowtree.geometry.catmull_clark import subdivide_corners, subdivide_quads
+from flowtree.meshing.branch_axes import Floats, Ints
+from flowtree.meshing.branch_curves import BranchCurves, trace_curves
+from flowtree.meshing.build_tubes import (
+    BASE,
+    FOOT,
+    ControlMesh,
+    RingCorners,
+    build_tubes,
+    place_corners,
+)
+from flowtree.meshing.check_skeleton import check_skeleton
+from flowtree.meshing.classify_ramifications import (
+    ADDITIONAL,
+    CONNECTABLE,
+    LATER,
+    TRUNK,
+    Ramifications,
+    classify_ramifications,
+)
+from flowtree.meshing.find_exits import Exits, find_exits
+from flowtree.meshing.find_hosts import find_faces, find_holes
+from flowtree.meshing.lay_rings import ControlRings, lay_rings
+from flowtree.meshing.open_faces import Openings, open_faces
+from flowtree.meshing.paste_ramifications import fill_face, open_vertices, paste_subdivided
+from flowtree.meshing.place_units import Units, place_units, shape_collars
+from flowtree.model.mesh import QuadMesh
+from flowtree.model.skeleton import Skeleton
+from flowtree.params import MeshingParams
+
+_EMPTY = (((0, 3), float), ((0,), int), ((0, 4), int), ((0, 4, 2), float), ((0,), int), ((0,), int))
+_THIN = 0.35  # of the host's radius: thinner branches fit into one face of it, once subdivided
+
+
+def connect_ramifications(
+    skeleton: Skeleton,
+    *,
+    params: MeshingParams = MeshingParams(),
+    all_additional: bool = False,
+    device: str | None = None,
+) -> QuadMesh:
+    """Covers all branches with one closed surface of quads, smooth at forks (Manifold Ramifications).
+
+    1. Branches are followed to where they leave their hosts (`find_exits`); connectable ones get a unit of
+       their host, a stretch whose main face faces them (`classify_ramifications`, `place_units`).
+    2. The control mesh is square tubes through the units' boundaries (`lay_rings`, `build_tubes`), wider than
+       the branches by what subdivision takes. A connectable branch begins in the main face (`open_faces`).
+    3. After a Catmull-Clark subdivision the additional ramifications are cut and pasted (`find_holes`,
+       `paste_subdivided`); thin branches are put in then, too, so that they do not get a trunk's sides.
+
+    The surface is closed by construction: every branch begins as a piece of a sphere of its own, takes the
+    place of quads that no other branch takes, and is joined to their edge quad by quad. So whatever the
+    skeleton it is one closed, consistently oriented two-manifold with Euler characteristic 2. Where there is
+    no room the geometry gives way, not the topology: units are pushed along their branch, a branch without a
+    unit is pasted, one without four free quads around a vertex gets a single quad (of six quads' filling),
+    and one without a free quad nearby gets one of those around a branch that was put in before it. Rings that
+    would cut each other are turned to one plane. Surfaces of different branches may still pass through each
+    other where the skeleton's branches do.
+
+    Unlike the paper, in short: thin branches are made later; a child may leave its host off the middle of a
+    face; branches that leave at a few degrees do so where they have come out of the host's wood.
+
+    Repairs, none of which is an error: those of `trace_curves`; a child thicker than its host begins as wide
+    as the host's face; a branch that ends inside its host is continued out of it by 1.5 radii.
+
+    Args:
+        skeleton: world frame [m].
+        params: how often to subdivide, root flare, bark scale.
+        all_additional: connect no branch before the first subdivision, as in the paper's figure 10.
+        device: to run on; None takes the best there is.
+
+    Returns: quads with texture coordinates; as many vertices as quads and two more.
+
+    Raises:
+        InputError: what `check_skeleton` refuses; all nodes in one place.
+    """
+    check_skeleton(skeleton)
+    steps = params.subdivisions
+    curves = trace_curves(skeleton, device=device)
+    exits = find_exits(curves)
+    made = classify_ramifications(curves, exits, subdivisions=steps, all_additional=all_additional)
+    collars = shape_collars(curves, exits, made.birth, max(steps - 1, 0))
+    made, units = place_units(curves, exits, made, collars, subdivisions=steps)
+    rings = lay_rings(curves, exits, made, units, collars)
+    targets = _targets(curves, exits, made)
+    drift = targets - curves.at(np.arange(len(targets)), exits.begin)[0]
+    corners = place_corners(curves, exits, rings, drift, steps - made.birth, params)
+    work = _Work(exits, curves.host, made, units, rings, corners, targets)
+    none = ControlMesh(*(np.zeros(shape, kind) for shape, kind in _EMPTY))
+    mesh = _grown(work, 0, none)
+    for step in range(1, steps + 1):
+        mesh = _subdivided(mesh)
+        mesh = _pasted(work, step - 1, mesh)
+        mesh = _grown(work, step, mesh)
+    return _finished(mesh, float(skeleton.points[0, 1]))
+
+
+@dataclass(frozen=True)
+class _Work:
+    """What is known of all branches before the first quad is made."""
+
+    exits: Exits
+    host: Ints
+    made: Ramifications
+    units: Units
+    rings: ControlRings
+    corners: RingCorners
+    target: Floats  # (c, 3) [m], where on its host's surface each begins
+
+    def openings(self, branch: Ints, vertex: Ints) -> Openings:
+        """What is asked of the hosts of branches (p,) whose rings begin at vertices (r,)."""
+        ring = self.corners.first[branch]
+        lean = np.sqrt(np.maximum(1.0 - self.exits.lean[branch] ** 2, 1e-3))
+        wide = 1.06 * self.exits.radius[branch]
+        half = np.stack([wide, wide * np.clip(1.0 / lean, 1.0, 1.6)], axis=1)
+        start, along = self.corners.corner[ring], self.exits.host_along[branch]
+        return Openings(branch, vertex[ring], start, self.target[branch], along, half)
+
+
+def _targets(curves: BranchCurves, exits: Exits, made: Ramifications) -> Floats:
+    """Where on their hosts' surfaces branches begin: at the middle of a unit, or where they come out."""
+    unit = np.where(made.kind == CONNECTABLE, made.unit, np.arange(len(made.unit)))
+    axis, radius, _ = curves.at(np.maximum(curves.host, 0), made.middle[unit])
+    place: Floats = axis + radius[:, None] * exits.outward
+    return place
+
+
+def _grown(work: _Work, step: int, mesh: ControlMesh) -> ControlMesh:
+    """The mesh with the branches that are made after so many subdivisions."""
+    made = work.made
+    branches = np.flatnonzero(made.birth == step)
+    if not len(branches):
+        return mesh
+    capped = (made.kind == TRUNK) | (made.kind == ADDITIONAL)
+    tubes, vertex, quad = build_tubes(work.rings, work.corners, branches, capped)
+    vertex, quad = vertex + len(mesh.positions), quad + len(mesh.quads)
+    mesh = mesh.joined(tubes)
+
+    planted = branches[made.kind[branches] == CONNECTABLE]
+    row = np.empty(len(made.kind), np.int64)
+    row[work.units.owner] = np.arange(len(work.units.owner))
+    owner = made.unit[planted]
+    ring = work.rings.start[row[owner]]
+    quarter = 0.5 * np.pi
+    main = np.rint((made.angle[owner] - work.rings.turn[ring]) / quarter)
+    aside = np.rint((made.angle[planted] - made.angle[owner]) / quarter)
+    mesh = open_faces(mesh, quad[ring] + (main + aside).astype(np.int64) % 4, work.openings(planted, vertex))
+
+    later = branches[made.kind[branches] == LATER]
+    thick = work.exits.radius[later] >= _THIN * work.exits.host_radius[later]
+    wide = later[thick & (made.birth[work.host[later]] < step)]
+    hole = find_holes(mesh, work.host[wide], work.target[wide], work.exits.radius[wide])
+    found = hole[:, 0] >= 0
+    later = later[~np.isin(later, wide[found])]
+    mesh = open_vertices(mesh, hole[found], work.openings(wide[found], vertex))
+    while len(later):
+        face = find_faces(mesh, work.host[later], work.target[later], work.exits.radius[later])
+        put = face >= 0
+        mesh = open_faces(mesh, face[put], work.openings(later[put], vertex))
+        later = later[~put]
+    return mesh
+
+
+def _pasted(work: _Work, step: int, mesh: ControlMesh) -> ControlMesh:
+    """The mesh with the additional ramifications that were made before the last subdivision joined to it."""
+    branch = np.flatnonzero((work.made.kind == ADDITIONAL) & (work.made.birth == step))
+    if not len(branch):
+        return mesh
+    hole = find_holes(mesh, work.host[branch], work.target[branch], work.exits.radius[branch])
+    found = hole[:, 0] >= 0
+    mesh = paste_subdivided(mesh, hole[found], _bases(mesh, branch[found]))
+    left = branch[~found]
+    while len(left):
+        face = find_faces(mesh, work.host[left], work.target[left], work.exits.radius[left])
+        put = face >= 0
+        mesh = fill_face(mesh, face[put], _bases(mesh, left[put]))
+        left = left[~put]
+    return mesh
+
+
+def _bases(mesh: ControlMesh, branch: Ints) -> Ints:
+    """The four quads (p, 4) that close the bases of branches (p,), as one quad became them."""
+    base = np.flatnonzero(mesh.kind == BASE)
+    base = base[np.argsort(mesh.branch[base], kind="stable")]
+    at = np.searchsorted(mesh.branch[base], branch)
+    rows: Ints = base[at[:, None] + np.arange(4)]
+    return rows
+
+
+def _subdivided(mesh: ControlMesh) -> ControlMesh:
+    """After one more step of Catmull and Clark's scheme."""
+    positions, quads, edges = subdivide_quads(mesh.positions, mesh.quads)
+    node = np.concatenate([mesh.node, mesh.node[edges].max(axis=1), mesh.node[mesh.quads].max(axis=1)])
+    return ControlMesh(
+        positions,
+        node,
+        quads,
+        subdivide_corners(mesh.uvs),
+        np.repeat(mesh.branch, 4),
+        np.repeat(mesh.kind, 4),
+    )
+
+
+def _finished(mesh: ControlMesh, ground: float) -> QuadMesh:
+    """The mesh without vertices that nothing uses, its foot flat."""
+    used = np.zeros(len(mesh.positions), np.bool_)
+    used[mesh.quads] = True
+    positions = mesh.positions
+    foot = mesh.quads[mesh.kind == FOOT]
+    positions[foot.ravel(), 1] = ground
+    return QuadMesh(
+        positions=_apart(positions[used].astype(np.float32)),
+        quads=(np.cumsum(used) - 1)[mesh.quads].astype(np.int32),
+        node=mesh.node[used].astype(np.int32),
+        uvs=mesh.uvs.astype(np.float32),
+    )
+
+
+def _apart(positions: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The same places, where rounding has put two vertices in one moved to the next number.
+
+    A texture seam splits vertices; they are told from others by their place (`close_seams`).
+    """
+    positions = positions + np.float32(0.0)  # of two zeros one
+    while True:
+        bits = positions.view(np.uint32).astype(np.uint64)
+        key = (bits * np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)).sum(
+            axis=1
+        )
+        order = np.argsort(key, kind="stable")
+        twin = order[1:][key[order[1:]] == key[order[:-1]]]
+        if not len(twin):
+            return positions
+        positions[twin, 0] = np.nextafter(positions[twin, 0], np.float32(np.inf))
