@@ -119,7 +119,7 @@ class _Distances:
         node = np.flatnonzero(chosen & (graph.parent >= 0))
         cv2.polylines(blank, list(np.stack([place[graph.parent[node]], place[node]], axis=1)), False, 0)
         found = cv2.distanceTransform(blank, cv2.DIST_L2, 5) if len(node) else np.full(blank.shape, np.inf)
-        self._distance = found.astype(np.float64) * self._cell
+        self._distance = np.asarray(found, np.float32)  # [cells]
 
     def at(self, flat: _Array) -> _Array:
         """Distance (n,) [m] of places (n, 2) [m], to a cell; infinite far outside of the graph."""
@@ -127,7 +127,7 @@ class _Distances:
         rows, columns = self._distance.shape
         inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
         result = np.full(len(flat), np.inf)
-        result[inside] = self._distance[row[inside], column[inside]]
+        result[inside] = self._distance[row[inside], column[inside]].astype(np.float64) * self._cell
         return result
 
 
@@ -168,10 +168,7 @@ class _Lifting:
         size = np.array(volume.density.shape) * self._voxel
         reach = float(np.abs([self._origin, self._origin + size])[:, [0, 2]].max())
         self._depths = np.linspace(-reach, reach, _DEPTHS)
-        self._distances: list[tuple[_Distances, _Distances]] = [
-            (_Distances(graph, ~taken, height), _Distances(graph, taken, height))
-            for graph, taken in zip(graphs, self._taken, strict=True)
-        ]
+        self._distances: dict[int, tuple[_Distances, _Distances]] = {}
 
     def add(self, view: int, nodes: list[int]) -> None:
         """Adds what no limb looks like yet of a branch of one view."""
@@ -295,7 +292,7 @@ class _Lifting:
                 continue
             flat = to_plane(place.reshape(-1, 3), self._yaws[other])
             off = np.full(len(flat), 1.0)
-            for lines, least in zip(self._distances[other], (0.0, _SHARED), strict=True):
+            for lines, least in zip(self._map_distances(other), (0.0, _SHARED), strict=True):
                 away = np.maximum(lines.at(flat) / self._height - _ON, 0.0) / (_NEAR - _ON)
                 off = np.minimum(off, least + (1.0 - least) * away)
             price += off.reshape(price.shape)
@@ -307,12 +304,14 @@ class _Lifting:
             left = np.flatnonzero(~self._taken[view])
             distance = cKDTree(to_plane(points, self._yaws[view])).query(graph.points[left])[0]
             self._taken[view][left] = distance < _SAME * self._height
-            self._map_distances(view)
+        self._distances.clear()
 
-    def _map_distances(self, view: int) -> None:
+    def _map_distances(self, view: int) -> tuple[_Distances, _Distances]:
         """How far all places are from the view's lines that no limb has taken, and from the others."""
-        taken = self._taken[view]
-        self._distances[view] = (
-            _Distances(self._graphs[view], ~taken, self._height),
-            _Distances(self._graphs[view], taken, self._height),
-        )
+        if view not in self._distances:
+            graph, taken = self._graphs[view], self._taken[view]
+            self._distances[view] = (
+                _Distances(graph, ~taken, self._height),
+                _Distances(graph, taken, self._height),
+            )
+        return self._distances[view]
