@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from flowtree.cli.asset_options import write_tree
 from flowtree.cli.outputs import check_folder
 from flowtree.cli.progress import show_progress
 from flowtree.cli.reconstruct import draw_preview, print_result
@@ -25,9 +26,8 @@ def demo(
     start = time.perf_counter()
     with show_progress() as progress:
         from flowtree.errors import OutputError
-        from flowtree.export.export_tree import export_tree
         from flowtree.files import write_whole
-        from flowtree.params import RenderParams
+        from flowtree.params import Params
         from flowtree.pipeline.build_report import report_bytes
         from flowtree.pipeline.reconstruct import reconstruct
         from flowtree.render.write_picture import write_picture
@@ -41,11 +41,12 @@ def demo(
         pictures = [Path(__file__).parent / "demo" / name for name in _PAIR]
         result = reconstruct(pictures, yaws=(0.0, 90.0), height=_HEIGHT, progress=progress)
         tree, preview, report = (output / name for name in ("tree.glb", "preview.png", "report.json"))
-        export_tree(result.tree, tree)
-        write_picture(draw_preview(result, RenderParams()), preview)
-        write_whole(report, report_bytes(result.report))
+        params = Params()
+        written = write_tree(result.tree, tree, params=params, seed=0, progress=progress)
+        write_picture(draw_preview(result, params.render), preview)
+        write_whole(report, report_bytes({**result.report, "asset": written.figures}))
     typer.echo(f"Two pictures of a tree, from {' and '.join(str(picture) for picture in pictures)}")
-    print_result(result.report, tree)
+    print_result(result.report, written)
     typer.echo(f"{preview}: a contact sheet: what came in, and the tree beside it")
     typer.echo(f"{report}: what was measured")
     typer.echo(f"in {time.perf_counter() - start:.1f} s")

@@ -12,6 +12,7 @@ import typer
 from flowtree import __version__
 from flowtree.check import one_line
 from flowtree.cli.demo import demo
+from flowtree.cli.grow import grow
 from flowtree.cli.inspect import inspect
 from flowtree.cli.matte import matte
 from flowtree.cli.params import params
@@ -29,7 +30,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (demo, reconstruct, render, matte, params, inspect, warmup):
+for command in (demo, reconstruct, grow, render, matte, params, inspect, warmup):
     app.command()(command)
 
 

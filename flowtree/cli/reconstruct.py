@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from flowtree import check
+from flowtree.cli import asset_options as wanted
 from flowtree.cli.outputs import check_distinct, check_new_folder, check_output
 from flowtree.cli.per_photo import parse_yaws, per_photo
 from flowtree.cli.progress import show_progress
@@ -27,9 +28,9 @@ def reconstruct(
     photos: Annotated[
         list[Path] | None, typer.Argument(help="Photos of one tree.", show_default=False)
     ] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="The tree: .glb, .obj or .ply.")] = Path(
-        "tree.glb"
-    ),
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="The tree: .glb, .usdc, .obj, .ply …")
+    ] = Path("tree.glb"),
     yaw: Annotated[str | None, typer.Option(help="From where each photo was taken [degrees]: 0,90.")] = None,
     height: Annotated[float | None, typer.Option(help="Of the tree [m].", show_default="10")] = None,
     seed: Annotated[
@@ -75,6 +76,16 @@ def reconstruct(
             help="A folder that keeps photos and settings; with photos it is written, without read."
         ),
     ] = None,
+    max_triangles: wanted.MaxTriangles = None,
+    levels: wanted.Levels = None,
+    separate_levels: wanted.SeparateLevels = False,
+    impostor: wanted.Impostor = None,
+    wind: wanted.WindLayout = None,
+    sway: wanted.Sway = False,
+    collision: wanted.Collision = None,
+    instanced: wanted.Instanced = False,
+    quantise: wanted.Quantise = False,
+    twig: wanted.Twig = None,
 ) -> None:
     """Make a tree from one or more photographs of it.
 
@@ -82,7 +93,7 @@ def reconstruct(
     --project and no photos, the project's tree is made; options then change this run, not the project.
     """
     from flowtree.export.export_skeleton import SKELETON_ENDINGS, export_skeleton
-    from flowtree.export.export_tree import TREE_ENDINGS, export_tree
+    from flowtree.export.export_tree import TREE_ENDINGS
     from flowtree.files import write_whole
     from flowtree.render.write_picture import PICTURE_ENDINGS, write_picture
 
@@ -101,18 +112,33 @@ def reconstruct(
         from flowtree.project.save_project import save_project
 
         files = {"strokes": strokes, "trimap": trimap, "scribbles": scribbles, "paint": paint}
-        work = _gather(photos or [], project, yaw, height, seed, params, assignments or [], files)
+        given = wanted.asset_assignments(
+            max_triangles=max_triangles,
+            levels=levels,
+            separate_levels=separate_levels,
+            impostor=impostor,
+            wind=wind,
+            sway=sway,
+            collision=collision,
+            instanced=instanced,
+            quantise=quantise,
+            twig=twig,
+        )
+        settings = [*(assignments or []), *given]
+        work = _gather(photos or [], project, yaw, height, seed, params, settings, files)
         result = reconstruct_project(work, progress=progress)
         if photos and project is not None:
             save_project(work, project)
-        export_tree(result.tree, output)
+        written = wanted.write_tree(
+            result.tree, output, params=work.params, seed=work.seed, progress=progress
+        )
         if skeleton is not None:
             export_skeleton(result.skeleton, skeleton)
         if preview is not None:
             write_picture(draw_preview(result, work.params.render), preview)
         if report is not None:
-            write_whole(report, report_bytes(result.report))
-    print_result(result.report, output)
+            write_whole(report, report_bytes({**result.report, "asset": written.figures}))
+    print_result(result.report, written)
 
 
 def draw_preview(result: Reconstruction, params: RenderParams) -> NDArray[np.uint8]:
@@ -131,16 +157,10 @@ def draw_preview(result: Reconstruction, params: RenderParams) -> NDArray[np.uin
     )
 
 
-def print_result(report: dict[str, Any], output: Path) -> None:
+def print_result(report: dict[str, Any], written: wanted.Written) -> None:
     """What came out, in a few lines: the file on stdout, warnings on stderr."""
-    for warning in report["warnings"]:
-        typer.echo(f"note: {warning}", err=True)
-    wood, skeleton = report["mesh"], report["skeleton"]
     scores = ", ".join(f"{view['soft_iou']:.2f}" for view in report["views"])
-    typer.echo(
-        f"{output}: {skeleton['branches']} branches, {report['leaves']} leaves, "
-        f"{wood['triangles']} wood triangles; soft IoU with the photos {scores}"
-    )
+    wanted.print_tree(report, written, f"; soft IoU with the photos {scores}")
 
 
 def _gather(

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree.geometry.outward_directions import outward_directions
+from flowtree.geometry.rotation_matrices import rotation_matrices
 from flowtree.model.foliage import Foliage
 from flowtree.model.mesh import TreeMesh
 
@@ -27,7 +28,7 @@ def merge_leaves(foliage: Foliage) -> TreeMesh:
         and its tangents where the shape has any.
     """
     leaf, count = foliage.leaf, len(foliage.position)
-    axes = _rotation_matrices(foliage.rotation)
+    axes = rotation_matrices(foliage.rotation).astype(np.float32)
     positions = _rotate(axes * foliage.scale.astype(np.float32)[:, None, None], leaf.positions)
     positions += foliage.position[:, None, :]
     normals = _rotate(axes, leaf.normals)
@@ -53,17 +54,6 @@ def _tangents(axes: NDArray[np.float32], own: NDArray[np.float32]) -> NDArray[np
     turned = _rotate(axes, own[:, :3])
     sign = np.broadcast_to(own[None, :, 3:], (*turned.shape[:2], 1))
     return np.concatenate([turned, sign.astype(np.float32)], axis=2).reshape(-1, 4)
-
-
-def _rotation_matrices(rotation: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Quaternions (n, 4) as (x, y, z, w) to matrices (n, 3, 3) whose columns are the leaf's axes."""
-    x, y, z, w = rotation.astype(np.float64).T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2).astype(np.float32)
 
 
 def _rotate(matrices: NDArray[np.float32], vectors: NDArray[np.float32]) -> NDArray[np.float32]:

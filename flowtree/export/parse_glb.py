@@ -42,6 +42,14 @@ class GlbFile:
         entries: list[dict[str, Any]] = self.document.get(kind, [])
         return entries
 
+    def entry(self, kind: str, index: int) -> dict[str, Any]:
+        """One entry of such a list.
+
+        Raises:
+            IndexError: there is none of that number.
+        """
+        return _at(self.entries(kind), index)
+
     def view(self, index: int) -> bytes:
         """The bytes of a buffer view."""
         view = _at(self.entries("bufferViews"), index)
@@ -78,16 +86,6 @@ class GlbFile:
         if entry.get("normalized"):
             values = np.maximum(values / np.float32(np.iinfo(kind).max), np.float32(-1))
         return values[:, 0] if width == 1 else values
-
-    def placed_meshes(self) -> Iterator[tuple[str, dict[str, Any], NDArray[np.float64]]]:
-        """Every node with a mesh in the scene: its name, the mesh, and the matrix (4, 4) to the world.
-
-        A skinned mesh stands where its joints at rest put it, whatever its node says.
-        """
-        for node, matrix in self.placed_nodes():
-            if "mesh" in node:
-                mesh = _at(self.entries("meshes"), node["mesh"])
-                yield node.get("name") or mesh.get("name") or f"mesh {node['mesh']}", mesh, matrix
 
     def placed_nodes(self, scene: int | None = None) -> Iterator[tuple[dict[str, Any], NDArray[np.float64]]]:
         """Every node of a scene, the one to show unless another is given, and its matrix (4, 4) to the world.

@@ -65,7 +65,7 @@ def _read_tree(file: GlbFile) -> TreeModel:
 
 
 def _read_part(file: GlbFile, node: dict[str, Any], matrix: NDArray[np.float64]) -> tuple[TreeMesh, Material]:
-    mesh = file.entries("meshes")[node["mesh"]]
+    mesh = file.entry("meshes", node["mesh"])
     (primitive,) = mesh["primitives"]
     attributes = primitive["attributes"]
     entry = file.entries("materials")[primitive["material"]]

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from flowtree import __version__
+from flowtree.model.asset import TreeAsset
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 from flowtree.model.photo import Photo
@@ -120,6 +121,35 @@ def growth_report(
         **_tree_figures(tree, watertight),
         "warnings": [*warnings],
     }
+
+
+def asset_figures(asset: TreeAsset) -> dict[str, Any]:
+    """What the tree's file holds: levels, cards, wind, solid bodies."""
+    figures: dict[str, Any] = {
+        "levels": [
+            {
+                "triangles": len(level.wood.triangles) + leaves * per_leaf,
+                "wood_triangles": len(level.wood.triangles),
+                "leaves": leaves,
+            }
+            for level, (leaves, per_leaf) in ((level, _leaf_counts(level)) for level in asset.levels)
+        ],
+        "cards": [card.name for card in asset.cards],
+    }
+    if asset.winds:
+        armature = asset.winds[0].armature
+        figures["joints"] = 0 if armature is None else len(armature.parent)
+        figures["wind_channels"] = sorted(asset.winds[0].wood)
+    if asset.collision is not None:
+        figures["capsules"] = len(asset.collision.capsule_radius)
+        figures["hull_triangles"] = len(asset.collision.hull_triangles)
+    return figures
+
+
+def _leaf_counts(tree: TreeModel) -> tuple[int, int]:
+    """Leaves, and triangles of each."""
+    foliage = tree.foliage
+    return (0, 0) if foliage is None else (len(foliage.position), len(foliage.leaf.triangles))
 
 
 def _rounded(seconds: Mapping[str, float]) -> dict[str, float]:

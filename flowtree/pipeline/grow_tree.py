@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from flowtree import check
 from flowtree.branches.mend_skeleton import mend_skeleton
+from flowtree.branches.shape_twigs import TwigShapes
 from flowtree.branches.sprout_twigs import sprout_twigs
 from flowtree.device import pick_device
 from flowtree.foliage.make_leaf import make_leaf
@@ -24,7 +25,7 @@ from flowtree.pipeline.build_report import growth_report
 from flowtree.pipeline.cache import StageCache
 from flowtree.pipeline.run_stages import run_stages
 from flowtree.pipeline.stage import Job, Stage
-from flowtree.pipeline.steps import run_assembly, run_closing, run_meshing
+from flowtree.pipeline.steps import run_assembly, run_closing, run_meshing, run_sketch
 
 _BARK = (104, 90, 74)  # sRGB, a usual greyish brown
 _LEAF = (0.8, 0.8, 0.8)  # linear; leaves take their own colour from the foliage
@@ -80,7 +81,7 @@ def grow_tree(
     whole = isinstance(seed, int) and not isinstance(seed, bool) and 0 <= seed < 2**63
     check.require(whole, "seed", "must be a whole number from 0", repr(seed), "give another")
     check.require(up in ("y", "z"), "up", "must be y or z", repr(up), "name one of them")
-    bark, leaf = params.meshing.bark, params.leaves.picture
+    bark, leaf, twig = params.meshing.bark, params.leaves.picture, params.twigs.sketch
     sources = {
         "drawn": skeleton,
         "wanted_height": height,
@@ -88,6 +89,7 @@ def grow_tree(
         "wants_twigs": twigs,
         "bark_source": None if bark == "auto" else Path(bark),
         "leaf_source": None if leaf is None else Path(leaf),
+        "twig_source": None if twig is None else Path(twig),
     }
     chosen = pick_device(device)
     job = Job(params=params, seed=seed, device=chosen)
@@ -112,11 +114,18 @@ def _mend(
     return mended, notes, (float(mended.points[:, 1].max()),)
 
 
-def _sprout(job: Job, branches: Skeleton, heights: tuple[float, ...], twigs: bool | None) -> Skeleton:
+def _sprout(
+    job: Job,
+    branches: Skeleton,
+    heights: tuple[float, ...],
+    twigs: bool | None,
+    sketched: TwigShapes | None,
+) -> Skeleton:
     if twigs is False or (twigs is None and bool(branches.twig.any())):
         return branches
     leafy = job.params.leaves.bear != "never"
-    return sprout_twigs(branches, height=heights[0], leafy=leafy, params=job.params.twigs, seed=job.seed)
+    params, seed = job.params.twigs, job.seed
+    return sprout_twigs(branches, height=heights[0], leafy=leafy, shapes=sketched, params=params, seed=seed)
 
 
 def _bark(job: Job, picture: Path | None) -> Material:
@@ -153,9 +162,18 @@ GROWING: tuple[Stage, ...] = (
         share=0.1,
     ),
     Stage(
+        name="sketch",
+        run=run_sketch,
+        inputs=("twig_source",),
+        outputs=("sketched_twig",),
+        params=("twigs",),
+        seeded=True,
+        share=0.01,
+    ),
+    Stage(
         name="twigs",
         run=_sprout,
-        inputs=("branches", "height", "wants_twigs"),
+        inputs=("branches", "height", "wants_twigs", "sketched_twig"),
         outputs=("skeleton",),
         params=("twigs", "leaves"),
         seeded=True,

@@ -26,7 +26,9 @@ def test_the_demo_makes_a_good_tree_and_says_where(flowtree, tmp_path):
     with Image.open(folder / "preview.png") as sheet:
         assert sheet.width == 1600
         assert 1000 < sheet.height < 2000
-    assert inspect_file(folder / "tree.glb")["triangles"] > report["mesh"]["triangles"]
+    found = inspect_file(folder / "tree.glb")
+    assert found["triangles"] == report["asset"]["levels"][0]["triangles"] <= 60_000
+    assert found["bytes"] == report["asset"]["files"]["tree.glb"]
 
 
 def test_the_demo_refuses_a_file_as_its_folder(flowtree, tmp_path):

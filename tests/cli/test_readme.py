@@ -15,7 +15,7 @@ from flowtree.params import Params
 from flowtree.photos.read_marks import read_marks
 
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-COMMANDS = ("demo", "reconstruct", "render", "matte", "params", "inspect", "warmup")
+COMMANDS = ("demo", "reconstruct", "grow", "render", "matte", "params", "inspect", "warmup")
 
 
 def test_every_option_is_known(flowtree):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import tomllib
 
@@ -11,13 +12,14 @@ from PIL import Image
 
 from flowtree import __version__
 from flowtree.configuration import params_from_table
+from flowtree.export.export_skeleton import export_skeleton
 from flowtree.export.write_glb import write_glb
 from flowtree.params import Params
 from flowtree.render.fit_camera import fit_camera
 from flowtree.render.render_mask import render_mask
 from tests.trees import hand_made_tree
 
-COMMANDS = ("demo", "reconstruct", "render", "matte", "params", "inspect", "warmup")
+COMMANDS = ("demo", "reconstruct", "grow", "render", "matte", "params", "inspect", "warmup")
 
 
 def _picture(path, size=(48, 64), alpha=None):
@@ -93,9 +95,26 @@ def test_render_refuses_to_replace_the_tree(flowtree, tmp_path):
     assert (tmp_path / "tree.png").read_bytes() == before
 
 
+def test_inspect_says_what_a_file_holds(flowtree, tmp_path):
+    tree = hand_made_tree()
+    write_glb(dataclasses.replace(tree, height=3.5), tmp_path / "tree.glb")
+    done = flowtree("inspect", "tree.glb")
+    assert done.code == 0
+    first, *lines = done.out.splitlines()
+    assert first.startswith("tree.glb: glb by flowtree")
+    facts = {line[:14].strip(): line[14:] for line in lines}
+    assert "y 0.00 to 3.50" in facts["bounds"]
+    assert facts["triangles"] == f"{len(tree.wood.triangles) + 120}; the wood is closed"
+    assert facts["mesh"].startswith("Oak_leaves: 120 triangles")
+    assert "note" not in facts
+    export_skeleton(tree.skeleton, tmp_path / "tree.swc")
+    assert "6 in 2 orders" in flowtree("inspect", "tree.swc").out
+
+
 def test_inspect_prints_json(flowtree, tmp_path):
     write_glb(hand_made_tree(), tmp_path / "tree.glb")
-    assert json.loads(flowtree("inspect", "tree.glb").out)["bytes"] == (tmp_path / "tree.glb").stat().st_size
+    found = json.loads(flowtree("inspect", "tree.glb", "--json").out)
+    assert found["bytes"] == (tmp_path / "tree.glb").stat().st_size
 
 
 def test_a_matte_can_stand_for_its_photo(flowtree, tmp_path):

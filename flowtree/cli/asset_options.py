@@ -1,0 +1,131 @@
+"""Options that say what a tree's file shall hold: the same for every command that writes one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+
+import typer
+
+if TYPE_CHECKING:
+    from flowtree.model.tree import TreeModel
+    from flowtree.params import Params
+
+MaxTriangles = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N",
+        help="Triangles of the finest level; 0 leaves the tree as it is.",
+        show_default="60000",
+    ),
+]
+Levels = Annotated[
+    int | None, typer.Option(metavar="N", help="Levels of detail in the file, 1 to 4.", show_default="1")
+]
+SeparateLevels = Annotated[
+    bool, typer.Option("--separate-levels", help="A file for each level: NAME_LOD0, NAME_LOD1, …")
+]
+Impostor = Annotated[
+    str | None, typer.Option(metavar="KIND", help="Cards for far away: crossed or octahedral.")
+]
+WindLayout = Annotated[
+    str | None,
+    typer.Option(
+        "--wind",
+        metavar="LAYOUT",
+        help="What vertices carry for wind shaders: attributes, colors, godot, unity or unreal.",
+    ),
+]
+Sway = Annotated[bool, typer.Option("--sway", help="Joints, and a looping motion of them (GLB).")]
+Collision = Annotated[
+    str | None,
+    typer.Option(metavar="ENGINE", help="Bodies for physics, named for godot, unity or unreal (GLB)."),
+]
+Instanced = Annotated[
+    bool, typer.Option("--instanced", help="One leaf and its places, not all leaves (GLB).")
+]
+Quantise = Annotated[bool, typer.Option("--quantise", help="Fewer bits a vertex, a smaller file (GLB).")]
+Twig = Annotated[
+    str | None,
+    typer.Option(metavar="FILE", help="A drawn twig, the example for all: .svg, .json or .png."),
+]
+
+
+class Written(NamedTuple):
+    """What was written.
+
+    Attributes:
+        files: without those that lie beside them.
+        figures: of what is in them, for the report.
+    """
+
+    files: tuple[Path, ...]
+    figures: dict[str, Any]
+
+
+def asset_assignments(
+    *,
+    max_triangles: int | None = None,
+    levels: int | None = None,
+    separate_levels: bool = False,
+    impostor: str | None = None,
+    wind: str | None = None,
+    sway: bool = False,
+    collision: str | None = None,
+    instanced: bool = False,
+    quantise: bool = False,
+    twig: str | None = None,
+) -> list[str]:
+    """The options that were given, as ``NAME=VALUE`` of the parameters they stand for."""
+    given: Mapping[str, object] = {
+        "asset.max_triangles": max_triangles,
+        "asset.levels": levels,
+        "asset.impostor": impostor,
+        "wind.channels": wind,
+        "wind.sway": sway or None,
+        "collision.engine": collision,
+        "export.separate_levels": separate_levels or None,
+        "export.instanced": instanced or None,
+        "export.quantise": quantise or None,
+        "twigs.sketch": twig,
+    }
+    return [f"{name}={_toml(value)}" for name, value in given.items() if value is not None]
+
+
+def _toml(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def write_tree(
+    tree: TreeModel, output: Path, *, params: Params, seed: int, progress: Callable[[str, float], None]
+) -> Written:
+    """Gives a tree what the parameters ask for, and writes it."""
+    from flowtree.export.export_tree import export_tree
+    from flowtree.pipeline.build_report import asset_figures
+    from flowtree.pipeline.equip_tree import equip_tree
+
+    progress("levels", 1.0)
+    asset = equip_tree(tree, params=params, seed=seed)
+    files = export_tree(asset, output, params=params.export, engine=params.collision.engine)
+    sizes = {file.name: file.stat().st_size for file in files}
+    return Written(files, {**asset_figures(asset), "files": sizes})
+
+
+def print_tree(report: Mapping[str, Any], written: Written, more: str = "") -> None:
+    """What came out, in a line: on stdout, warnings on stderr.
+
+    Args:
+        report: of the tree.
+        written: its files.
+        more: how good it is, in words.
+    """
+    for warning in report["warnings"]:
+        typer.echo(f"note: {warning}", err=True)
+    names = ", ".join(str(file) for file in written.files)
+    triangles = ", ".join(str(level["triangles"]) for level in written.figures["levels"])
+    size = sum(written.figures["files"].values()) / 1e6
+    typer.echo(
+        f"{names}: {report['skeleton']['branches']} branches, {report['leaves']} leaves; "
+        f"{triangles} triangles, {size:.1f} MB{more}"
+    )
