@@ -10,7 +10,14 @@ from numpy.typing import NDArray
 from flowtree.params import RenderParams
 from flowtree.render.assemble_scene import Scene, corner_points
 from flowtree.render.cast_scene import ParallelView, RayHits, cast_scene
-from flowtree.render.sample_texture import build_normal_pyramid, build_pyramid, sample_texture
+from flowtree.render.interpolate_hits import (
+    corner_weights,
+    look_up_texture,
+    ray_places,
+    spread_values,
+    texture_level,
+)
+from flowtree.render.sample_texture import build_normal_pyramid, build_pyramid
 
 _SUN_COLOR = np.array([1.0, 0.93, 0.80], np.float32)
 _SKY_COLOR = np.array([0.78, 0.90, 1.10], np.float32)
@@ -91,16 +98,14 @@ def shade_hits(
     """
     ray = np.flatnonzero(hits.hit)
     triangle = hits.hit.ravel()[ray] - 1
-    row, column = np.divmod(ray, hits.hit.shape[1])
-    x = (column + (row % view.samples + 0.5) / view.samples).astype(np.float32)
-    y = (row + (column % view.samples + 0.5) / view.samples).astype(np.float32)
+    x, y = ray_places(ray, hits.hit.shape[1], view.samples)
     corners = np.take(scene.triangles, triangle, axis=0).T
-    weight = _corner_weights(hits.corner, corners, x, y)
+    weight = corner_weights(hits.corner, corners, x, y)
     visible = _sun_share(view, lighting, x, y, hits.near.ravel()[ray])
     indirect, direct = _light_vertices(scene, view.axes[2], lighting, params)
-    spread = _spread(np.concatenate([indirect, direct, scene.uvs], axis=1), corners, weight)
+    spread = spread_values(np.concatenate([indirect, direct, scene.uvs], axis=1), corners, weight)
     uv = spread[:, 6:]
-    level = _texture_level(scene, hits.corner)[triangle]
+    level = texture_level(scene, hits.corner)[triangle]
     wood = triangle < scene.wood_triangles
     if scene.tangents is not None and wood.any():
         facing = _bark_facing(scene, lighting, corners[:, wood], weight[:, wood], uv[wood], level[wood])
@@ -109,7 +114,7 @@ def shade_hits(
     color = spread[:, :3] + visible[:, None] * spread[:, 3:6]
     for chosen, material in ((wood, scene.bark), (~wood, scene.leaf)):
         if material is not None and chosen.any():
-            color[chosen] *= _look_up(build_pyramid(material.base_color), uv[chosen], level[chosen])
+            color[chosen] *= look_up_texture(build_pyramid(material.base_color), uv[chosen], level[chosen])
     return ray, _compress(color)
 
 
@@ -162,7 +167,7 @@ def _bark_facing(
         corners: (3, n) of the rays' triangles, all of the wood.
         weight: (3, n) of the corners.
         uv: (n, 2).
-        level: (n,) as `_texture_level` gives it.
+        level: (n,) as `texture_level` gives it.
     """
     assert scene.tangents is not None
     assert scene.bark.normal is not None
@@ -172,53 +177,17 @@ def _bark_facing(
     up = np.array([0.0, 1.0, 0.0], np.float32)
     lights = [lighting.toward_sun.astype(np.float32), up]
     there = np.stack([(axis * light).sum(axis=1) for light in lights for axis in axes], axis=1)
-    seen = _spread(there.astype(np.float32), corners, weight)
-    relief = _look_up(build_normal_pyramid(scene.bark.normal), uv, level)
+    seen = spread_values(there.astype(np.float32), corners, weight)
+    relief = look_up_texture(build_normal_pyramid(scene.bark.normal), uv, level)
     sun = np.maximum((relief * seen[:, :3]).sum(axis=1), 0)
     sky = 1 + np.float32(_RELIEF_SKY) * ((relief * seen[:, 3:]).sum(axis=1) - seen[:, 5])
     return np.stack([sun, np.clip(sky, 0.4, 1.6)], axis=1)
-
-
-def _look_up(
-    pyramid: list[NDArray[np.float32]], uv: NDArray[np.float32], level: NDArray[np.float32]
-) -> NDArray[np.float32]:
-    """The texture at (n, 2) coordinates, from the level that suits each ray."""
-    size = 0.5 * np.log2(pyramid[0].shape[0] * pyramid[0].shape[1])
-    number = np.clip(np.rint(level + size), 0, len(pyramid) - 1).astype(np.int8)
-    return sample_texture(pyramid, uv, number)
 
 
 def _passed_light(color: NDArray[np.float32]) -> NDArray[np.float32]:
     """How much of each colour of light (n, 3) goes on through leaves of these colours (n, 3), linear."""
     green = np.clip(2 * (color[:, 1] - color[:, 2]) / (color[:, 1] + color[:, 2] + np.float32(1e-6)), 0, 1)
     return np.asarray(_PASSED_PLAIN + green[:, None] * (_PASSED - _PASSED_PLAIN), np.float32)
-
-
-def _corner_weights(
-    corner: NDArray[np.float32], of: NDArray[np.int32], x: NDArray[np.float32], y: NDArray[np.float32]
-) -> NDArray[np.float32]:
-    """Barycentric weights (3, n) of the points on their triangles' corners (3, n)."""
-    flat = [np.ascontiguousarray(corner[:, axis]) for axis in (0, 1)]
-    ax, ay = (np.take(part, of[0]) for part in flat)
-    bx, by, cx, cy = (np.take(flat[k % 2], of[1 + k // 2]) - (ax, ay)[k % 2] for k in range(4))
-    dx, dy = x - ax, y - ay
-    weight = np.empty((3, len(x)), np.float32)
-    area = bx * cy - by * cx
-    weight[1], weight[2] = (dx * cy - dy * cx) / area, (dy * bx - dx * by) / area
-    weight[0] = 1 - weight[1] - weight[2]
-    return weight
-
-
-def _spread(
-    values: NDArray[np.float32], of: NDArray[np.int32], weight: NDArray[np.float32]
-) -> NDArray[np.float32]:
-    """The vertices' values (n, k) between the corners (3, n), with their weights (3, n)."""
-    total = np.zeros((of.shape[1], values.shape[1]), np.float32)
-    for corner in range(3):
-        part = np.take(values, of[corner], axis=0)
-        part *= weight[corner][:, None]
-        total += part
-    return total
 
 
 def _sun_share(
@@ -249,18 +218,6 @@ def _sun_share(
             lit = flat[(upper + down) * lighting.sun_view.width + left + aside] <= reach
             share += weight * lit
     return np.clip(share, 0, 1).astype(np.float32)
-
-
-def _texture_level(scene: Scene, corner: NDArray[np.float32]) -> NDArray[np.float32]:
-    """How often each triangle's texture of one texel must be halved to a texel a ray (usually negative)."""
-    areas = []
-    for points in (scene.uvs, corner):
-        a, b, c = (points[scene.triangles[:, k], :2] for k in range(3))
-        twice = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
-        areas.append(np.abs(twice) + np.float32(1e-12))
-    level = np.empty(len(areas[0]), np.float32)
-    level[:] = 0.5 * np.log2(areas[0] / areas[1])
-    return level
 
 
 def _compress(color: NDArray[np.float32]) -> NDArray[np.float32]:
