@@ -37,6 +37,11 @@ window.load = async (name) => {
   return { seconds: gltf.animations[0]?.duration ?? 0, meshes: meshes().map((mesh) => mesh.name) };
 };
 
+window.look = (from, at) => {
+  camera.position.set(...from);
+  camera.lookAt(...at);
+};
+
 const meshes = () => {
   const found = [];
   tree.traverse((object) => object.isMesh && found.push(object));
