@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flowtree.geometry.parent_array import levels, main_child
+from flowtree.geometry.parent_array import main_child, sum_from_root
 
 
 def order_branches(parent: NDArray[np.int32], weight: NDArray[Any]) -> NDArray[np.int32]:
@@ -20,8 +20,5 @@ def order_branches(parent: NDArray[np.int32], weight: NDArray[Any]) -> NDArray[n
     Returns: (n,) int32, 0 on the trunk.
     """
     carries_on = main_child(parent, weight)
-    order = np.zeros(len(parent), np.int32)
-    for nodes in levels(parent)[1:]:
-        above = parent[nodes]
-        order[nodes] = order[above] + (carries_on[above] != nodes)
-    return order
+    leaves_it = (parent >= 0) & (carries_on[np.maximum(parent, 0)] != np.arange(len(parent)))
+    return sum_from_root(parent, leaves_it)

@@ -19,17 +19,32 @@ def depths(parent: NDArray[np.integer[Any]]) -> NDArray[np.int32]:
     Raises:
         ValueError: the parents run in a circle.
     """
+    return sum_from_root(parent, (parent >= 0).astype(np.int32))
+
+
+def sum_from_root(parent: NDArray[np.integer[Any]], own: NDArray[np.integer[Any]]) -> NDArray[np.int32]:
+    """Every node's own whole number plus those of all nodes between it and its root, by pointer doubling.
+
+    Args:
+        parent: (n,), -1 at roots, in any order.
+        own: (n,).
+
+    Returns: (n,) int32.
+
+    Raises:
+        ValueError: the parents run in a circle.
+    """
     jump = parent.astype(np.int64)
-    depth = (jump >= 0).astype(np.int64)
-    for _ in range(max(1, int(np.ceil(np.log2(len(parent) + 1))) + 1)):
-        going = jump >= 0
-        if not going.any():
-            return depth.astype(np.int32)
-        depth[going] += depth[jump[going]]
-        jump[going] = jump[jump[going]]
-    if (jump >= 0).any():
-        raise ValueError("the parents run in a circle")
-    return depth.astype(np.int32)
+    total = own.astype(np.int64)
+    going = np.flatnonzero(jump >= 0)
+    for _ in range(len(parent).bit_length() + 1):
+        if not len(going):
+            return total.astype(np.int32)
+        ahead = jump[going]
+        total[going] += total[ahead]
+        jump[going] = jump[ahead]
+        going = going[jump[going] >= 0]
+    raise ValueError("the parents run in a circle")
 
 
 def parents_first(parent: NDArray[np.integer[Any]]) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
