@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from flowtree.model.tree import TreeModel
 from flowtree.model.wind import Armature, Wind, WindWeights
 from flowtree.params import WindParams
 from flowtree.wind.bind_joints import bind_joints
-from flowtree.wind.follow_joints import follow_joints
+from flowtree.wind.match_nodes import match_nodes
 from flowtree.wind.name_channels import name_channels
 from flowtree.wind.skin_vertices import skin_vertices
 from flowtree.wind.spread_over_leaves import spread_over_leaves
@@ -29,10 +30,11 @@ def build_wind(
 ) -> tuple[Wind, ...]:
     """Weighs each level of a tree and gives its vertices what the parameters ask for.
 
-    All levels share the finest one's joints and motion: they are the same arrays in every result.
+    All levels swing as the finest one, so that nothing jumps where one gives way to the next: their nodes
+    take its weights and joints. The joints and their motion are the same arrays in every result.
 
     Args:
-        levels: of one tree, the finest first; their wood knows its nodes.
+        levels: of one tree, the finest first, their nodes where it has nodes; their wood knows its nodes.
         params: which channels, and whether there are joints.
         seed: of phases and gusts.
 
@@ -43,24 +45,28 @@ def build_wind(
     """
     if params.channels == "none" and not params.sway:
         return ()
-    finest = levels[0]
-    weights = [weigh_wind(tree.skeleton, height=finest.height, seed=seed) for tree in levels]
-    armatures: list[Armature | None] = [None] * len(levels)
-    sway = None
+    finest = levels[0].skeleton
+    weights = weigh_wind(finest, height=levels[0].height, seed=seed)
+    armature, sway = None, None
     if params.sway:
-        bound = bind_joints(finest.skeleton, joints=params.joints)
-        sway = sway_joints(bound, weights[0], strength=params.strength, seconds=params.seconds, seed=seed)
-        armatures = [bound, *(follow_joints(bound, finest.skeleton, tree.skeleton) for tree in levels[1:])]
-    return tuple(
-        Wind(
-            weights=weight,
-            armature=armature,
-            sway=sway,
-            wood=_wood_channels(tree, weight, armature, params.channels),
-            leaves=_leaf_channels(tree, weight, armature, params.channels),
-        )
-        for tree, weight, armature in zip(levels, weights, armatures, strict=True)
-    )
+        armature = bind_joints(finest, joints=params.joints)
+        sway = sway_joints(armature, weights, strength=params.strength, seconds=params.seconds, seed=seed)
+    winds = []
+    for tree in levels:
+        own, bound = weights, armature
+        if tree is not levels[0]:
+            node = match_nodes(finest, tree.skeleton)
+            own = WindWeights(
+                depth=weights.depth[node],
+                pivot=weights.pivot[node],
+                extent=weights.extent[node],
+                phase=weights.phase[node],
+            )
+            if armature is not None:
+                bound = replace(armature, joint=armature.joint[node], weight=armature.weight[node])
+        wood = _wood_channels(tree, own, bound, params.channels)
+        winds.append(Wind(own, bound, sway, wood, _leaf_channels(tree, own, bound, params.channels)))
+    return tuple(winds)
 
 
 def _wood_channels(

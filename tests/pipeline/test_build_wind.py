@@ -13,6 +13,7 @@ from flowtree.pipeline.build_wind import build_wind
 from flowtree.wind.name_channels import LAYOUTS
 from tests.skeletons import random_skeleton
 from tests.trees import bark_material, scatter_leaves
+from tests.wind.test_weigh_wind import thin_out
 
 
 def grown(leaves: int = 40, sides: int = 8) -> TreeModel:
@@ -57,6 +58,19 @@ def test_all_levels_share_joints_and_motion():
         assert wind.sway is first.sway
         assert len(wind.wood["JOINTS_0"]) == len(level.wood.positions)
     assert others[1].leaves == {}
+
+
+def test_levels_swing_as_the_finest_where_they_kept_its_nodes():
+    tree = grown()
+    keep = np.isin(np.arange(80), tree.skeleton.parent)
+    thinned = thin_out(tree.skeleton, keep)
+    coarse = dataclasses.replace(tree, skeleton=thinned, wood=sweep_rings(thinned), foliage=None)
+    first, second = build_wind([tree, coarse], WindParams(channels="attributes", sway=True))
+    for name in ("depth", "pivot", "extent", "phase"):
+        np.testing.assert_array_equal(getattr(second.weights, name), getattr(first.weights, name)[keep])
+    assert first.armature is not None
+    assert second.armature is not None
+    np.testing.assert_array_equal(second.armature.joint, first.armature.joint[keep])
 
 
 def test_the_same_seed_gives_the_same_bytes():
