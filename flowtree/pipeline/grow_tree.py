@@ -25,7 +25,8 @@ from flowtree.pipeline.build_report import growth_report
 from flowtree.pipeline.cache import StageCache
 from flowtree.pipeline.run_stages import run_stages
 from flowtree.pipeline.stage import Job, Stage
-from flowtree.pipeline.steps import run_assembly, run_closing, run_meshing, run_sketch
+from flowtree.pipeline.photo_steps import run_sketch
+from flowtree.pipeline.steps import run_assembly, run_closing, run_meshing
 
 _BARK = (104, 90, 74)  # sRGB, a usual greyish brown
 _LEAF = (0.8, 0.8, 0.8)  # linear; leaves take their own colour from the foliage

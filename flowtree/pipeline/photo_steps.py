@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,9 @@ from flowtree.photos.read_painted_edit import read_painted_edit
 from flowtree.photos.read_scribbles import read_scribbles
 from flowtree.photos.read_trimap import read_trimap
 from flowtree.pipeline.stage import Job
+
+if TYPE_CHECKING:
+    from flowtree.branches.shape_twigs import TwigShapes
 
 Polylines = tuple[NDArray[np.float32], ...]
 
@@ -116,3 +119,12 @@ def _flip(picture: Any) -> Any:
 
 def _flip_line(line: NDArray[np.float32], width: int) -> NDArray[np.float32]:
     return np.stack([np.float32(width) - line[:, 0], line[:, 1]], axis=1)
+
+
+def run_sketch(job: Job, source: Path | None) -> TwigShapes | None:
+    """The drawn twig that is the example for all, or nothing."""
+    if source is None:
+        return None
+    from flowtree.pipeline.sketch_twig import sketch_twig  # few trees have one, and it would delay the photos
+
+    return sketch_twig(source, params=job.params.twigs, seed=job.seed)

@@ -61,7 +61,6 @@ from flowtree.photos.straighten_lines import straighten_lines
 from flowtree.photos.straighten_view import straighten_view
 from flowtree.pipeline.compare_views import check_same_tree
 from flowtree.pipeline.photo_steps import Polylines
-from flowtree.pipeline.sketch_twig import sketch_twig
 from flowtree.pipeline.stage import Job
 from flowtree.render.render_mask import render_mask
 from flowtree.render.soft_iou import soft_iou
@@ -233,11 +232,6 @@ def run_leafiness(job: Job, mattes: tuple[Matte, ...], cameras: tuple[Camera, ..
     """Whether the tree bears leaves."""
     bear = job.params.leaves.bear
     return judge_leafy(mattes, cameras) if bear == "auto" else bear == "always"
-
-
-def run_sketch(job: Job, source: Path | None) -> TwigShapes | None:
-    """The drawn twig that is the example for all, or nothing."""
-    return sketch_twig(source, params=job.params.twigs, seed=job.seed)
 
 
 def run_twigs(

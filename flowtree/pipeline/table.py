@@ -212,7 +212,7 @@ STAGES: tuple[Stage, ...] = (
     ),
     Stage(
         name="sketch",
-        run=_late("run_sketch"),
+        run=photo_steps.run_sketch,
         inputs=("twig_source",),
         outputs=("sketched_twig",),
         params=("twigs",),
