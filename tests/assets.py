@@ -10,6 +10,7 @@ from flowtree.collision.bound_tree import bound_tree
 from flowtree.model.asset import Card, TreeAsset
 from flowtree.model.mesh import Material, TreeMesh
 from flowtree.model.tree import TreeModel
+from flowtree.model.wind import Sway
 from flowtree.params import WindParams
 from flowtree.pipeline.build_wind import build_wind
 from tests.trees import hand_made_tree, leaf_material
@@ -55,4 +56,17 @@ def equipped(channels: str = "attributes", *, sway: bool = True, name: str = "Oa
     asset = levelled(name)
     params = WindParams.model_validate({"channels": channels, "sway": sway, "joints": 9})
     bodies = bound_tree(asset.levels[0].skeleton, asset.levels[0].foliage, capsules=3)
-    return dataclasses.replace(asset, winds=build_wind(asset.levels, params), collision=bodies)
+    winds = build_wind(asset.levels, params)
+    if sway:  # so coarse a tree hardly bends: one that does
+        motion = nodding(len(winds[0].armature.parent))
+        winds = tuple(dataclasses.replace(wind, sway=motion) for wind in winds)
+    return dataclasses.replace(asset, winds=winds, collision=bodies)
+
+
+def nodding(joints: int) -> Sway:
+    """All joints but the first turn around z, each a little more than the one before."""
+    times = np.linspace(0, 2, 9, dtype=np.float32)
+    half = 0.02 * np.sin(np.pi * times)[:, None] * np.arange(joints)
+    rotation = np.zeros((9, joints, 4))
+    rotation[..., 2], rotation[..., 3] = np.sin(half), np.cos(half)
+    return Sway("sway", times, rotation.astype(np.float32))
