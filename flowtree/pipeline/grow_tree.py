@@ -23,9 +23,9 @@ from flowtree.model.tree import TreeModel
 from flowtree.params import Params
 from flowtree.pipeline.build_report import growth_report
 from flowtree.pipeline.cache import StageCache
+from flowtree.pipeline.photo_steps import run_sketch
 from flowtree.pipeline.run_stages import run_stages
 from flowtree.pipeline.stage import Job, Stage
-from flowtree.pipeline.photo_steps import run_sketch
 from flowtree.pipeline.steps import run_assembly, run_closing, run_meshing
 
 _BARK = (104, 90, 74)  # sRGB, a usual greyish brown
