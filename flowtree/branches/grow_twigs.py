@@ -10,7 +10,9 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from flowtree.branches.find_twig_places import FREE_STREAM, TwigPlaces, append_twigs, find_twig_places
+from flowtree.branches.look_up_density import look_up_density
 from flowtree.branches.shape_twigs import TwigShapes, shape_twigs
+from flowtree.device import side_by_side
 from flowtree.geometry.choose_cover import choose_cover
 from flowtree.geometry.cover_canvas import CELLS, RING, CoverCanvas, lay_canvas
 from flowtree.geometry.footprint_means import optical_depth
@@ -93,8 +95,12 @@ def grow_twigs(
         params=params,
         seed=seed,
     )
-    twigs = twigs.take(_density(twigs.points[:, shapes.shoot[-1]], volume) > 0)
-    canvases = [_stand(m, c, skeleton, height) for m, c in zip(mattes, cameras, strict=True)]
+    twigs = twigs.take(look_up_density(twigs.points[:, shapes.shoot[-1]], volume) > 0)
+
+    def stand(matte: Matte, camera: Camera) -> CoverCanvas:
+        return _stand(matte, camera, skeleton, height)
+
+    canvases = side_by_side(stand, mattes, cameras)
     for canvas in canvases:
         twigs = twigs.take(_worth(canvas, twigs.points[:, shapes.shoot]) > _WORTH)
     if not len(twigs.node) or params.most == 0:
@@ -104,21 +110,18 @@ def grow_twigs(
         sheath = _SHEATH * length
         most = params.most
         share = min(_FULL * height**2 / most / (2 * sheath * length), _OPEN)
-    covers = [_covers(c, skeleton, shapes, twigs, sheath=sheath, share=share) for c in canvases]
+
+    def covers(canvas: CoverCanvas) -> sparse.csr_array:
+        return _covers(canvas, skeleton, shapes, twigs, sheath=sheath, share=share)
+
     batch = (_BATCHES * place_chance(twigs.code, seed, twigs.number + _BATCH)).astype(np.int64)
     chance = place_chance(twigs.code, seed, twigs.number + _CHANCE)
-    density = _density(twigs.points[:, shapes.shoot[-1]], volume)
+    density = look_up_density(twigs.points[:, shapes.shoot[-1]], volume)
     likely = np.clip(density / np.quantile(density, _USUAL), _LEAST_LIKELY, 1.0)
-    chosen = choose_cover(canvases, covers, batch=batch, chance=chance, weight=likely, most=most)
+    chosen = choose_cover(
+        canvases, side_by_side(covers, canvases), batch=batch, chance=chance, weight=likely, most=most
+    )
     return append_twigs(skeleton, shapes, twigs.take(chosen))
-
-
-def _density(points: NDArray[np.float64], volume: DensityVolume) -> NDArray[np.float64]:
-    """Of the voxels that points (m, 3) lie in; 0 outside."""
-    voxel = np.floor((points - volume.origin) / volume.voxel).astype(int)
-    last = np.array(volume.density.shape) - 1
-    within = ((voxel >= 0) & (voxel <= last)).all(axis=1)
-    return np.where(within, volume.density[tuple(np.clip(voxel, 0, last).T)], 0.0)
 
 
 def _worth(canvas: CoverCanvas, points: NDArray[np.float64]) -> NDArray[np.float32]:

@@ -1,4 +1,4 @@
-"""Turns the thin branches of a bare tree to where the mattes show wood."""
+"""Turns thin branches to where the mattes show the tree."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.sparse as sparse
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
-from scipy.special import ndtri
 
+from flowtree.branches.draw_poses import draw_poses
+from flowtree.device import side_by_side
 from flowtree.geometry.choose_cover import choose_poses
 from flowtree.geometry.cover_canvas import CELLS, CoverCanvas, lay_canvas, rod_radii
 from flowtree.geometry.footprint_means import optical_depth
@@ -19,54 +20,67 @@ from flowtree.geometry.place_code import place_code
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 from flowtree.model.skeleton import Skeleton
+from flowtree.model.volume import DensityVolume
 from flowtree.params import TwigParams
 
-_SIZES = (16, 4, 1)  # particles of what is turned as one, at most: first sprays, then what they are made of
-_POSES = 12
-_SHORTEST, _LONGEST = 0.7, 1.25  # factors to the length
-_CONTENTED = 0.5  # share of the best pose's merit with which a branch stays as the flow left it
+# Particles of what is turned as one, at most: first sprays, then what they are made of.
+_SIZES = (16, 8, 4, 2, 1)
+_LEAFY_SIZES = (2,)  # leaves hide the rest
+_POSES = 8
+_THINNEST = 0.5  # radius to that of the thinnest branch, at least
+_CONTENTED = 0.8  # share of the best pose's merit with which a branch stays as the flow left it
 _THICKEST = 2.5  # factor to the radius of thin branches at most
 _DENSEST = 2.5  # optical depth that twigs alone can have
 _SIDE = 0.4  # length of a side twig to its twig's
 _SLIM = 0.5  # of a twig's width at its base, what is seen of it from a random side, tips and all
 _STEPS = 4  # of the thickness, to each doubling: a bit of a matte must not change all branches
 _BATCHES = 8
-_STREAMS = 8  # random numbers of a pose
 
 
 def turn_twigs(
     skeleton: Skeleton,
+    volume: DensityVolume,
     mattes: Sequence[Matte],
     cameras: Sequence[Camera],
     *,
     height: float,
+    leafy: bool = False,
     params: TwigParams = TwigParams(),
     seed: int = 0,
 ) -> Skeleton:
-    """Turns, stretches or drops thin branches until the wood comes near each matte's alpha.
+    """Turns, stretches, thins or drops thin branches until the wood comes near each matte's alpha.
 
     The paper leaves the branches where the particles ran; the flow knows the crown's density in voxels, and
     of a bare tree the mattes show every branch. Sprays of few particles may turn a little about the fork that
     they grow from, first large ones as a whole, then the small ones that they are made of. Several poses of
-    each are drawn, and `choose_poses` takes those with which the alpha of all wood comes nearest to the
-    mattes'. A spray that does well where it is stays there; one that does harm in every pose goes.
+    each are drawn (see `draw_poses`), and `choose_poses` takes those with which the alpha of all wood comes
+    nearest to the mattes'. A spray that does well where it is stays there; one that does harm in every pose
+    goes.
 
-    Before, where the mattes show more wood than the branches and all twigs aimed at have, thin branches are
-    thickened: they bear the twigs, and no twig is thicker than its branch.
+    Of a bare tree, where the mattes show more wood than the branches and all twigs aimed at have, thin
+    branches are thickened before: they bear the twigs, and no twig is thicker than its branch. On a leafy
+    tree, whose wood the mattes hardly show, only the last branches are turned, out of the gaps of the crown
+    to where leaves are wanted.
 
     Args:
         skeleton: branches with radii.
+        volume: of poses that look alike those in dense voxels are taken.
         mattes: one a view.
         cameras: theirs.
         height: of the tree [m].
+        leafy: whether the tree bears leaves.
         params: how far a spray may turn; number and size of the twigs.
         seed: of the poses.
 
     Returns: the skeleton with moved nodes, without those of dropped sprays.
     """
-    skeleton = _thicken(skeleton, mattes, cameras, height, params)
-    for size in _SIZES if params.turn > 0.0 else ():
-        skeleton = _turn_sprays(skeleton, size, mattes, cameras, height, params, seed)
+    if not leafy:
+        skeleton = _thicken(skeleton, mattes, cameras, height, params)
+    thinnest = _THINNEST * float(skeleton.radius.min())
+    for size in (_LEAFY_SIZES if leafy else _SIZES) if params.turn > 0.0 else ():
+        skeleton = _turn_sprays(
+            skeleton, size, volume, mattes, cameras, height, thinnest=thinnest, spread=params.turn, seed=seed
+        )
     return skeleton
 
 
@@ -117,10 +131,13 @@ class _Sprays:
 def _turn_sprays(
     skeleton: Skeleton,
     size: int,
+    volume: DensityVolume,
     mattes: Sequence[Matte],
     cameras: Sequence[Camera],
     height: float,
-    params: TwigParams,
+    *,
+    thinnest: float,
+    spread: float,
     seed: int,
 ) -> Skeleton:
     """One round: sprays of at most ``size`` particles."""
@@ -131,31 +148,38 @@ def _turn_sprays(
     parent, points = skeleton.parent, skeleton.points.astype(np.float64)
     first = np.searchsorted(sprays.spray, np.arange(count))
     code = place_code(points[sprays.node[first]], height)
-    poses = _draw_poses(code, params, seed)
     pivot = points[sprays.pivot]
     rods = [points[parent[sprays.node]] - pivot[sprays.spray], points[sprays.node] - pivot[sprays.spray]]
+    poses = draw_poses(rods[1], first, pivot, code, count=_POSES, spread=spread, volume=volume, seed=seed)
     radius = rod_radii(parent, skeleton.radius)[sprays.node]
     # Every spray's rods once a pose.
     each = np.diff(np.append(first, len(sprays.node)))
     sizes = np.repeat(each, _POSES)
     row = np.repeat(np.arange(count * _POSES), sizes)
     rod = np.arange(len(row)) - np.repeat(np.cumsum(sizes) - sizes, sizes) + np.repeat(first, _POSES * each)
-    turned = poses.reshape(-1, 3, 3)[row]
+    turned = poses.turn.reshape(-1, 3, 3)[row]
+    wide = radius[rod] * poses.slim.ravel()[row]
     start, end = (np.einsum("nij,nj->ni", turned, r[rod]) + pivot[row // _POSES] for r in rods)
     still = np.ones(len(parent), np.bool_)
     still[sprays.node] = False
     rest = np.where(still, parent, -1)
-    canvases, covers = [], []
-    for matte, camera in zip(mattes, cameras, strict=True):
+
+    def stand(matte: Matte, camera: Camera) -> tuple[CoverCanvas, sparse.csr_array]:
         canvas = _lay(matte, camera, height)
-        canvases.append(canvas.with_tree(rest, skeleton.points, skeleton.radius))
-        covers.append(canvas.rod_covers(start, end, radius[rod], row, count * _POSES))
+        covers = canvas.rod_covers(start, end, wide, row, count * _POSES)
+        return canvas.with_tree(rest, skeleton.points, skeleton.radius), covers
+
+    canvases, covers = zip(*side_by_side(stand, mattes, cameras), strict=True)
     batch = (_BATCHES * place_chance(code, seed, 0)).astype(np.int64)
     chosen = choose_poses(canvases, covers, poses=_POSES, batch=batch, contented=_CONTENTED)
-    pose = poses[np.arange(count), np.maximum(chosen, 0)][sprays.spray]
-    points[sprays.node] = np.einsum("nij,nj->ni", pose, rods[1]) + pivot[sprays.spray]
+    pose = np.arange(count), np.maximum(chosen, 0)
+    points[sprays.node] = (
+        np.einsum("nij,nj->ni", poses.turn[pose][sprays.spray], rods[1]) + pivot[sprays.spray]
+    )
     still[sprays.node] = chosen[sprays.spray] >= 0
-    return _without(replace(skeleton, points=points.astype(np.float32)), still)
+    own = skeleton.radius.copy()
+    own[sprays.node] = np.maximum(own[sprays.node] * poses.slim[pose][sprays.spray], thinnest)
+    return _without(replace(skeleton, points=points.astype(np.float32), radius=own), still)
 
 
 def _find_sprays(skeleton: Skeleton, size: int) -> _Sprays:
@@ -172,20 +196,6 @@ def _find_sprays(skeleton: Skeleton, size: int) -> _Sprays:
     node = np.flatnonzero(spray >= 0)
     node = node[np.argsort(spray[node], kind="stable")]
     return _Sprays(node, spray[node], pivot)
-
-
-def _draw_poses(code: NDArray[np.int64], params: TwigParams, seed: int) -> NDArray[np.float64]:
-    """Rotations times stretches (m, poses, 3, 3); the first leaves everything as it is."""
-    number = (np.arange(1, _POSES) * _STREAMS)[None, :]
-    draw = [
-        place_chance(np.repeat(code, _POSES - 1), seed, np.tile(number, (len(code), 1)).ravel() + k)
-        for k in range(4)
-    ]
-    turn = np.radians(params.turn) * ndtri(np.clip(np.stack(draw[:3], axis=1), 1e-9, 1 - 1e-9))
-    stretch = _SHORTEST + (_LONGEST - _SHORTEST) * draw[3]
-    drawn = Rotation.from_rotvec(turn).as_matrix() * stretch[:, None, None]
-    same = np.broadcast_to(np.eye(3), (len(code), 1, 3, 3))
-    return np.concatenate([same, drawn.reshape(len(code), _POSES - 1, 3, 3)], axis=1)
 
 
 def _without(skeleton: Skeleton, kept: NDArray[np.bool_]) -> Skeleton:

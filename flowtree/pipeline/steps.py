@@ -244,10 +244,11 @@ def run_twigs(
     sketched: TwigShapes | None,
     heights: tuple[float, ...],
 ) -> Skeleton:
-    """The skeleton with twigs; of a bare tree the thin branches are turned to where the mattes show them."""
-    params, height = job.params.twigs, heights[0]
-    if not leafy:
-        branches = turn_twigs(branches, mattes, cameras, height=height, params=params, seed=job.seed)
+    """The skeleton with twigs, its thin branches turned to where the mattes show them."""
+    params, height, seed = job.params.twigs, heights[0], job.seed
+    branches = turn_twigs(
+        branches, volume, mattes, cameras, height=height, leafy=leafy, params=params, seed=seed
+    )
     return grow_twigs(
         branches,
         volume,
@@ -257,7 +258,7 @@ def run_twigs(
         leafy=leafy,
         shapes=sketched,
         params=params,
-        seed=job.seed,
+        seed=seed,
     )
 
 

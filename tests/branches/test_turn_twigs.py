@@ -18,8 +18,8 @@ FIELDS = ("parent", "points", "radius", "particles", "level", "twig")
 ENOUGH = TwigParams(most=200_000)
 
 
-def turned(scene, params=ENOUGH, seed=0):
-    return turn_twigs(scene.skeleton, scene.mattes, scene.cameras, height=HEIGHT, params=params, seed=seed)
+def turned(scene, params=ENOUGH, seed=0, leafy=False):
+    return turn_twigs(*scene.inputs, height=HEIGHT, leafy=leafy, params=params, seed=seed)
 
 
 def error(skeleton, scene):
@@ -93,10 +93,10 @@ def test_a_branch_turns_to_where_both_mattes_show_it():
     mattes, cameras = drawn(right)
     scene = replace(CROWN, skeleton=wrong, mattes=mattes, cameras=cameras)
     ends = []
-    for seed in range(6):
+    for seed in range(30):
         made = turned(scene, seed=seed)
         check_tree(made)
-        ends.append(np.linalg.norm(made.points[made.particles == 1][-1] - right.points[9]))
+        ends += [np.linalg.norm(tip - right.points[9]) for tip in made.points[made.particles == 1][-1:]]
     before = np.linalg.norm(wrong.points[9] - right.points[9])
     assert min(ends) < 0.5 * before, "of few draws one fits"
 
@@ -116,6 +116,25 @@ def test_turned_by_nothing_and_with_twigs_enough_all_stays():
     made = turned(CROWN, TwigParams(turn=0, most=200_000))
     for name in FIELDS:
         assert np.array_equal(getattr(made, name), getattr(CROWN.skeleton, name))
+
+
+def test_branches_thicker_than_the_mattes_show_them_become_thinner():
+    skeleton = CROWN.skeleton
+    thick = replace(skeleton, radius=np.maximum(skeleton.radius, 0.5 * skeleton.radius.max()))
+    made = turned(replace(CROWN, skeleton=thick))
+    check_tree(made)
+    assert made.radius[made.particles == 1].mean() < 0.95 * thick.radius[thick.particles == 1].mean()
+
+
+def test_the_last_branches_of_a_leafy_tree_turn_and_none_becomes_thicker():
+    made = turned(CROWN, leafy=True)
+    check_tree(made)
+    assert error(made, CROWN) < error(CROWN.skeleton, CROWN)
+    assert np.array_equal(
+        made.points[made.particles > 2], CROWN.skeleton.points[CROWN.skeleton.particles > 2]
+    )
+    assert made.radius.max() == CROWN.skeleton.radius.max()
+    assert made.radius.min() >= 0.49 * CROWN.skeleton.radius.min()
 
 
 def test_too_few_twigs_thicken_the_branches_that_bear_them():
