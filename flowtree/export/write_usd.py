@@ -25,8 +25,8 @@ from flowtree.model.mesh import Material, TreeMesh
 from flowtree.model.tree import TreeModel
 
 USD_ENDINGS = (".usda", ".usdc", ".usdz")
-# The first day that a package can name, wherever the clock stands.
-_TIME = time.mktime((1980, 1, 2, 0, 0, 0, 0, 0, -1))
+# About the first day that a package can name, on the clock of wherever it is written.
+_DAY = (1980, 1, 2, 0, 0, 0, 0, 0, -1)
 _ENDINGS = {"image/png": "png", "image/jpeg": "jpg"}
 
 
@@ -107,7 +107,7 @@ class _Stage:
         for name, data in self._pictures.items():
             whole.with_name(name).write_bytes(data)
         for file in whole.parent.iterdir():  # a package keeps the times of its files
-            os.utime(file, (_TIME, _TIME))
+            os.utime(file, (time.mktime(_DAY),) * 2)
         packed = whole.with_name("whole.usdz")
         made = self._utils.CreateNewUsdzPackage(self._sdf.AssetPath(str(whole)), str(packed))
         check.require(bool(made), path.name, "must become a package", "a failure of usd-core", "use .usdc")
