@@ -61,8 +61,9 @@ def da_vinci_radii(
     radius *= 1.0 - params.taper * _way_share(skeleton)
     if bounds is not None:
         radius = _keep_within(skeleton.parent, radius, bounds)
-    radius = np.maximum(radius, min(params.thinnest * height, trunk))
-    return replace(skeleton, radius=radius.astype(np.float32), level=order_branches(skeleton.parent, radius))
+    # Rounded before the levels are found by them: what is then as thick as another was a little thinner.
+    kept = np.maximum(radius, min(params.thinnest * height, trunk)).astype(np.float32)
+    return replace(skeleton, radius=kept, level=order_branches(skeleton.parent, kept))
 
 
 def _keep_within(
