@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree.geometry.projection import project
+from flowtree.meshing.lower_trunk import lower_trunk
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 from flowtree.model.skeleton import Skeleton
 
-_LOWEST = 0.3  # share of the height: above it leaves hide the trunk
 _SAMPLES = 64  # along the trunk
 _INNER = 0.5  # share of the trunk's width that is surely trunk
 _SOLID = 0.7  # alpha
@@ -35,7 +35,7 @@ def measure_bark(
 
     Returns: (3,) sRGB, 0..255; a grey brown where no view shows a trunk.
     """
-    line, radius = _lower_trunk(skeleton)
+    line, radius = lower_trunk(skeleton, _SAMPLES)
     colors = []
     for matte, camera in zip(mattes, cameras, strict=True):
         centre = project(line, camera)
@@ -52,22 +52,3 @@ def measure_bark(
     if int((~green).sum()) >= _FEWEST:
         seen = seen[~green]
     return np.asarray(np.median(seen, axis=0) if len(seen) >= _FEWEST else _PLAIN, np.float64)
-
-
-def _lower_trunk(skeleton: Skeleton) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Points (k, 3) [m] evenly along the thickest way up from the root, and the radius at each [m]."""
-    path = [0]
-    best = np.full(len(skeleton.parent), -1)
-    for child in (
-        np.argsort(skeleton.radius[1:], kind="stable") + 1
-    ):  # the thickest child comes last and stays
-        best[skeleton.parent[child]] = child
-    while best[path[-1]] >= 0:
-        path.append(int(best[path[-1]]))
-    points, radius = skeleton.points[path].astype(np.float64), skeleton.radius[path].astype(np.float64)
-    along = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
-    high = points[:, 1] > _LOWEST * float(skeleton.points[:, 1].max())
-    end = along[int(np.argmax(high))] if high.any() else along[-1]
-    places = np.linspace(0.0, end, _SAMPLES)
-    line = np.stack([np.interp(places, along, points[:, k]) for k in range(3)], axis=1)
-    return line, np.interp(places, along, radius)

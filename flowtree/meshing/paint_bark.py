@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from flowtree import check
 from flowtree.geometry.srgb import decode_srgb, encode_srgb_bytes
 from flowtree.meshing.bark_habits import Habit, furrowed, papery, plated, ringed, smooth
+from flowtree.meshing.relief_map import relief_map
 from flowtree.meshing.tile_noise import Floats
 from flowtree.model.mesh import Material
 
@@ -59,7 +60,7 @@ def paint_bark(color: ArrayLike, *, style: BarkStyle = "auto", seed: int = 0, si
     return Material(
         name=f"bark_{habit}",
         base_color=_colored(relative, srgb),
-        normal=_normal_map(height),
+        normal=relief_map(_RELIEF * height),
         roughness=roughness,
     )
 
@@ -87,14 +88,3 @@ def _colored(relative: Floats, srgb: Floats) -> NDArray[np.uint8]:
     room = (1.0 / np.maximum(target, 1e-6) - 1.0) / np.maximum(highest - 1.0, 1e-6)
     linear = target * (1.0 + (relative - 1.0) * np.minimum(room.min(), 1.0))
     return encode_srgb_bytes(linear)
-
-
-def _normal_map(height: Floats) -> NDArray[np.uint8]:
-    """(s, s, 3) of a height (s, s) in tile widths, by central differences on the torus; +y is up."""
-    scale = 0.5 * _RELIEF * len(height)
-    right = scale * (np.roll(height, -1, axis=1) - np.roll(height, 1, axis=1))
-    up = scale * (np.roll(height, 1, axis=0) - np.roll(height, -1, axis=0))
-    normal = np.stack([-right, -up, np.ones_like(height)], axis=2)
-    normal /= np.linalg.norm(normal, axis=2, keepdims=True)
-    encoded: NDArray[np.uint8] = np.rint(127.5 * (normal + 1.0)).astype(np.uint8)
-    return encoded

@@ -36,6 +36,7 @@ from flowtree.matting.judge_leafy import judge_leafy
 from flowtree.matting.paint_matte import paint_matte
 from flowtree.meshing.close_seams import close_seams
 from flowtree.meshing.connect_ramifications import connect_ramifications
+from flowtree.meshing.cut_bark import cut_bark
 from flowtree.meshing.load_bark import load_bark
 from flowtree.meshing.measure_bark import measure_bark
 from flowtree.meshing.paint_bark import paint_bark
@@ -60,6 +61,7 @@ from flowtree.photos.place_views import place_views
 from flowtree.photos.straighten_lines import straighten_lines
 from flowtree.photos.straighten_view import straighten_view
 from flowtree.pipeline.compare_views import check_same_tree
+from flowtree.pipeline.open_trunks import open_trunks
 from flowtree.pipeline.photo_steps import Polylines
 from flowtree.pipeline.stage import Job
 from flowtree.render.render_mask import render_mask
@@ -276,12 +278,23 @@ def run_bark(
     mattes: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
     picture: Path | None,
+    sources: tuple[Path | Photo, ...],
+    photos: tuple[Photo, ...],
+    placements: tuple[Placement, ...],
+    mirrored: tuple[bool, ...],
 ) -> Material:
-    """The given bark, or one painted in the trunk's colour."""
+    """The given bark, or one cut from photos that show it well, or painted in the trunk's colour."""
     if picture is not None:
         return load_bark(picture)
-    color = measure_bark(branches, mattes, cameras)
-    return paint_bark(color, style=job.params.meshing.bark_style, seed=job.seed)
+    params, seed = job.params.meshing, job.seed
+    if params.bark_style == "auto":
+        trunks = open_trunks(
+            branches, sources, photos, placements, cameras, mirrored, params=job.params.photos
+        )
+        cut = cut_bark(branches, mattes, cameras, trunks, scale=params.bark_scale, seed=seed)
+        if cut is not None:
+            return cut
+    return paint_bark(measure_bark(branches, mattes, cameras), style=params.bark_style, seed=seed)
 
 
 def run_leaf(
