@@ -99,7 +99,7 @@ class GlbParts:
         packed, factor = pack_vertices(mesh, tangents=material.normal is not None, frame=frame)
         if "COLOR_0" in attributes and mesh.colors is not None:
             factor = mesh.colors.mean(axis=0, dtype=np.float64)
-        packed |= {key: _as_it_is(key, values) for key, values in attributes.items()}
+        packed |= {key: _as_it_is(key, values) for key, values in _equally_wide(attributes).items()}
         if frame is not None and "WEIGHTS_0" in attributes:
             packed |= _coarse_skin(attributes["JOINTS_0"], attributes["WEIGHTS_0"])
         primitive: dict[str, Any] = {
@@ -134,6 +134,20 @@ def _coarse_skin(joints: NDArray[Any], weights: NDArray[np.float32]) -> dict[str
         "JOINTS_0": _as_it_is("JOINTS_0", np.where(counts > 0, joints, 0)),
         "WEIGHTS_0": Packed(counts.astype(np.uint8), normalized=True),
     }
+
+
+def _equally_wide(attributes: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """The attributes, those with names of our own filled up with zeros to the widest of them.
+
+    Blender 5.0 keeps such attributes in a set and mixes up their widths: it cannot read different ones.
+    """
+    own = [values.shape[1] for key, values in attributes.items() if key.startswith("_")]
+    wide = dict(attributes)
+    for key, values in attributes.items():
+        missing = max(own, default=0) - values.shape[1]
+        if key.startswith("_") and missing:
+            wide[key] = np.concatenate([values, np.zeros((len(values), missing), values.dtype)], axis=1)
+    return wide
 
 
 def _as_it_is(key: str, values: NDArray[Any]) -> Packed:

@@ -58,7 +58,7 @@ def modules() -> Path:
 
 def give_up(reason: str) -> NoReturn:
     if os.environ.get("CI", "").lower() in {"1", "true"}:
-        pytest.fail(f"CI needs the JavaScript clients: {reason}")
+        pytest.fail(f"CI needs every program that reads our files: {reason}")
     pytest.skip(reason)
 
 
