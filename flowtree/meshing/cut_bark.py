@@ -26,6 +26,7 @@ _GREEN = 0.06  # share of pixels that are leaves, grass or moss
 _STRANGE = 0.12  # share of pixels whose colour is not the bark's
 _DETAIL = 0.02  # relative contrast of single pixels, below which a picture is out of focus
 _SHADE = 0.22  # of the strip's width: wider light and dark is light and shade, not bark
+_FLECK = 1.4  # times the median
 _DEPTH = 0.010  # of the texture's length: relief between dark furrows and light ridges
 _ROUGHNESS = 0.92
 
@@ -113,4 +114,8 @@ def _flatten(light: _Light) -> _Light:
     flat = light * factor[..., None]
     tint = cv2.GaussianBlur(flat, (0, 0), sigma, borderType=cv2.BORDER_REFLECT)
     flat = flat * (np.median(flat, axis=(0, 1)) / np.maximum(tint, 1e-4)) ** 0.7
+    # What is much brighter still are flecks of sun between shadows of leaves.
+    relative = flat.mean(axis=2) / max(float(np.median(flat)), 1e-4)
+    calm = np.where(relative > _FLECK, _FLECK + 0.2 * (relative - _FLECK), relative)
+    flat = flat * (calm / np.maximum(relative, 1e-4))[..., None]
     return np.asarray(np.clip(flat, 0.0, 1.0), np.float32)
