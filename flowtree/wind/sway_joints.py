@@ -9,7 +9,7 @@ from flowtree import check
 from flowtree.model.wind import Armature, Sway, WindWeights
 
 # By tier: stem, limb, finer branch.
-_TURN = np.radians([3.0, 7.5, 10.0])  # at the end of a branch whose extent reaches 1, at strength 1
+_TURN = np.radians([3.0, 6.5, 8.0])  # at the end of a branch whose extent reaches 1, at strength 1
 _HASTE = np.array([1.0, 1.9, 3.1])  # frequency, relative to the stem's
 _STEM_FREQUENCY = 1.0  # [Hz] of a stem 1 m high; falls with the root of the height, as a pendulum's
 _KEYS_A_SWING = 12
