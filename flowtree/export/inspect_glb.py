@@ -129,10 +129,11 @@ def _levels(file: GlbFile, shown: list[dict[str, Any]]) -> list[dict[str, Any]]:
     levels = []
     for k, scene in enumerate(scenes):
         if k == file.document.get("scene", 0):
-            name, meshes = "level 0", shown
+            name, meshes = "shown", shown
         else:
             nodes = [(node, matrix) for node, matrix in file.placed_nodes(k) if not _is_body(node)]
-            name, (meshes, _, _) = scene.get("name") or f"scene {k}", _measure(file, nodes)
+            name = str(scene.get("name", f"scene {k}")).removesuffix("_scene")
+            meshes, _, _ = _measure(file, nodes)
         counts = {key: sum(mesh[key] for mesh in meshes) for key in ("triangles", "vertices")}
         levels.append({"name": name, **counts})
     return levels

@@ -135,7 +135,8 @@ class _Writer:
             del builder.entry("nodes", root)["children"]
         names = [self._name, *self._steps[1:]]
         for name, nodes in zip(names, scenes + [[card] for card in cards], strict=True):
-            builder.add("scenes", {"name": name, "nodes": nodes})
+            # three.js renames a node that is called as its scene.
+            builder.add("scenes", {"name": f"{name}_scene", "nodes": nodes})
         return builder.finish()
 
     def _level(self, k: int) -> dict[str, int]:
