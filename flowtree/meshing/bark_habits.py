@@ -9,7 +9,7 @@ import numpy as np
 from flowtree.meshing.tile_noise import Floats, tile_cells, tile_noise
 
 # (height (s, s) in tile widths, relative linear colour (s, s, 3) around 1)
-Habit = Callable[[np.random.Generator, int], tuple[Floats, Floats]]
+BarkPattern = Callable[[np.random.Generator, int], tuple[Floats, Floats]]
 
 
 def furrowed(rng: np.random.Generator, size: int) -> tuple[Floats, Floats]:

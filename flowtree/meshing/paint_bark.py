@@ -9,14 +9,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from flowtree import check
 from flowtree.geometry.srgb import decode_srgb, encode_srgb_bytes
-from flowtree.meshing.bark_habits import Habit, furrowed, papery, plated, ringed, smooth
+from flowtree.meshing.bark_habits import BarkPattern, furrowed, papery, plated, ringed, smooth
 from flowtree.meshing.relief_map import relief_map
 from flowtree.meshing.tile_noise import Floats
+from flowtree.model.attractor import Habit
 from flowtree.model.mesh import Material
 
 BarkStyle = Literal["auto", "furrowed", "smooth", "papery", "plated", "ringed"]
 
-_HABITS: dict[str, tuple[Habit, float]] = {  # with the roughness of the surface
+_HABITS: dict[str, tuple[BarkPattern, float]] = {  # with the roughness of the surface
     "furrowed": (furrowed, 0.95),
     "smooth": (smooth, 0.8),
     "papery": (papery, 0.75),
@@ -26,7 +27,14 @@ _HABITS: dict[str, tuple[Habit, float]] = {  # with the roughness of the surface
 _RELIEF = 0.6  # the normal map shows this share of the heights: full relief glitters from afar
 
 
-def paint_bark(color: ArrayLike, *, style: BarkStyle = "auto", seed: int = 0, size: int = 512) -> Material:
+def paint_bark(
+    color: ArrayLike,
+    *,
+    style: BarkStyle = "auto",
+    growth: Habit | None = None,
+    seed: int = 0,
+    size: int = 512,
+) -> Material:
     """Paints bark that tiles exactly in both directions: base colour and normal map.
 
     The paper textures its discs and does not say with what; here the pattern is computed, in one of five
@@ -36,7 +44,8 @@ def paint_bark(color: ArrayLike, *, style: BarkStyle = "auto", seed: int = 0, si
         color: (3,) sRGB 0..255. From afar, where only the mean is seen, the bark has this colour: the mean of
             the texture's linear values is that of the colour, where needed at the cost of contrast.
         style: the habit; "auto" takes papery for near white, smooth for pale plain grey, plated for reddish
-            brown, furrowed for the rest.
+            brown, furrowed for the rest, as far as ``growth`` does not tell.
+        growth: which way the tree's branches grow, if that is known: palms are ringed, conifers plated.
         seed: another seed, another piece of bark.
         size: [pixels]; the picture's upper side lies toward the tip.
 
@@ -46,7 +55,7 @@ def paint_bark(color: ArrayLike, *, style: BarkStyle = "auto", seed: int = 0, si
         InputError: a colour out of range, an unknown style, a size below 16 or above 4096.
     """
     srgb = check.array(color, "bark color", shape=(3,), dtype=np.float64, low=0.0, high=255.0)
-    habit = pick_habit(srgb) if style == "auto" else style
+    habit = pick_habit(srgb, growth) if style == "auto" else style
     check.require(
         habit in _HABITS,
         "bark style",
@@ -65,11 +74,13 @@ def paint_bark(color: ArrayLike, *, style: BarkStyle = "auto", seed: int = 0, si
     )
 
 
-def pick_habit(color: NDArray[np.float64]) -> str:
-    """The habit that bark of this sRGB colour (3,) 0..255 most often has."""
+def pick_habit(color: NDArray[np.float64], growth: Habit | None = None) -> str:
+    """The habit that bark of this sRGB colour (3,) 0..255 most often has, on a tree that grows so."""
     red, green, blue = (float(part) for part in color / 255.0)
     bright, spread = max(red, green, blue), max(red, green, blue) - min(red, green, blue)
     saturation = spread / max(bright, 1e-6)
+    if growth in ("palm", "conifer"):
+        return "ringed" if growth == "palm" else "plated"
     if bright > 0.72 and saturation < 0.22:
         return "papery"
     if bright > 0.5 and saturation < 0.12:

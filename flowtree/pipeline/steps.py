@@ -277,6 +277,7 @@ def run_bark(
     branches: Skeleton,
     mattes: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
+    habit: Habit,
     picture: Path | None,
     sources: tuple[Path | Photo, ...],
     photos: tuple[Photo, ...],
@@ -294,7 +295,8 @@ def run_bark(
         cut = cut_bark(branches, mattes, cameras, trunks, scale=params.bark_scale, seed=seed)
         if cut is not None:
             return cut
-    return paint_bark(measure_bark(branches, mattes, cameras), style=params.bark_style, seed=seed)
+    color = measure_bark(branches, mattes, cameras)
+    return paint_bark(color, style=params.bark_style, growth=habit, seed=seed)
 
 
 def run_leaf(

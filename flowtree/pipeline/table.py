@@ -245,6 +245,7 @@ STAGES: tuple[Stage, ...] = (
             "branches",
             "mattes",
             "cameras",
+            "habit",
             "bark_source",
             "photo_source",
             "raw_photo",

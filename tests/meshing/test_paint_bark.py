@@ -76,6 +76,14 @@ def test_the_habit_follows_the_colour(color, habit):
     assert paint_bark(color, size=32).name == f"bark_{habit}"
 
 
+def test_palms_are_ringed_and_conifers_plated_whatever_their_colour():
+    for color in ((225, 220, 212), (40, 38, 36)):
+        assert paint_bark(color, growth="palm", size=32).name == "bark_ringed"
+        assert paint_bark(color, growth="conifer", size=32).name == "bark_plated"
+        assert paint_bark(color, growth="palm", style="smooth", size=32).name == "bark_smooth"
+    assert pick_habit(np.array((110.0, 98.0, 84.0)), "weeping") == "furrowed"
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
