@@ -20,6 +20,7 @@ from flowtree.model.skeleton import Skeleton
 # which one is not split further; in foot's radii.
 _THINNEST = (0.8, 0.7, 0.6, 0.5, 0.45, 0.4, 0.35, 0.3, 0.25, 0.2)
 _LOOSEST, _TIGHTEST = 0.4, 0.1
+_SPLITS = 40  # points at most at which splitting a capsule is tried
 _HULL_CORNERS = 34  # 64 triangles
 
 
@@ -141,15 +142,16 @@ def _piece(points: NDArray[np.float64], radius: NDArray[np.float64]) -> _Piece:
 
 
 def _best_split(piece: _Piece) -> int:
-    """The inner point at which the worse of both halves is best."""
+    """The inner point, of some along the whole piece, at which the worse of both halves is best."""
+    inner = np.unique(np.linspace(1, len(piece.points) - 2, _SPLITS).astype(int))
     worst = [
         max(
             _piece(piece.points[: k + 1], piece.radius[: k + 1]).error,
             _piece(piece.points[k:], piece.radius[k:]).error,
         )
-        for k in range(1, len(piece.points) - 1)
+        for k in inner
     ]
-    return 1 + int(np.argmin(worst))
+    return int(inner[np.argmin(worst)])
 
 
 def _middle(radius: NDArray[np.float64]) -> float:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import dataclasses
+import time
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 from flowtree.collision.bound_tree import bound_tree
 from flowtree.errors import InputError
 from flowtree.geometry.polylines import nearest_on_segments
-from tests.skeletons import random_skeleton, skeleton_of_stems
+from tests.skeletons import random_skeleton, skeleton_of, skeleton_of_stems
 from tests.trees import hand_made_skeleton, scatter_leaves
 
 
@@ -122,6 +123,18 @@ def test_without_a_hull_there_is_none_and_the_same_tree_gives_the_same_bytes():
     one, two = bound_tree(skeleton), bound_tree(skeleton)
     for name in ("capsule_ends", "capsule_radius", "hull_positions", "hull_triangles"):
         assert getattr(one, name).tobytes() == getattr(two, name).tobytes()
+
+
+def test_a_finely_divided_stem_takes_no_longer():
+    up = np.linspace(0, 10, 6000)
+    stem = np.stack([0.3 * np.sin(up), up, np.zeros(6000), 0.3 - 0.02 * up], axis=1)
+    skeleton = skeleton_of(np.arange(-1, 5999), stem[:, :3], np.random.default_rng(0))
+    skeleton = dataclasses.replace(skeleton, radius=stem[:, 3].astype(np.float32))
+    begin = time.process_time()
+    collision = bound_tree(skeleton)
+    assert time.process_time() - begin < 5.0  # trying every split takes minutes
+    out = out_of_capsules(collision, skeleton.points[::50].astype(float), skeleton.radius[::50])
+    assert out.max() < 0.4 * 0.3
 
 
 def test_bad_input_is_refused():
