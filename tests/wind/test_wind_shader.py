@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 
 from flowtree.export.merge_leaves import merge_leaves
+from flowtree.meshing.connect_ramifications import connect_ramifications
 from flowtree.meshing.sweep_rings import sweep_rings
+from flowtree.meshing.unwrap_quads import unwrap_quads
 from flowtree.model.wind import VertexWind
+from flowtree.params import MeshingParams
 from flowtree.wind.spread_over_leaves import spread_over_leaves
 from flowtree.wind.spread_over_wood import spread_over_wood
 from flowtree.wind.weigh_wind import weigh_wind
@@ -82,6 +85,21 @@ def test_the_surface_does_not_tear(weighed):
     )
     assert np.abs(now - rest).max() < 0.05
     assert np.quantile(np.abs(now / np.maximum(rest, 1e-4) - 1), 0.99) < 0.07
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_one_closed_surface_is_continuous_at_forks(seed):
+    skeleton = random_skeleton(seed, 60)
+    weights = weigh_wind(skeleton, height=10.0)
+    wood = unwrap_quads(connect_ramifications(skeleton, params=MeshingParams(subdivisions=1)))
+    moved = sway(wood.positions, 0 * wood.normals, spread_over_wood(skeleton, weights, wood), time=2.9)
+    _, first, twin = np.unique(wood.positions, axis=0, return_index=True, return_inverse=True)
+    assert np.linalg.norm(moved - moved[first][twin.ravel()], axis=1).max() < 1e-9, "seams stay closed"
+    edges = np.concatenate([wood.triangles[:, [k, (k + 1) % 3]] for k in range(3)])
+    rest, now = (
+        np.linalg.norm(p[edges[:, 0]] - p[edges[:, 1]], axis=1) for p in (wood.positions.astype(float), moved)
+    )
+    assert np.abs(now - rest).max() < 0.15 * skeleton.radius[0]
 
 
 def test_leaves_stay_on_their_twigs_and_flutter(weighed):
