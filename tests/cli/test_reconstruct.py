@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from flowtree.export.inspect_file import inspect_file
 from tests.pictures import draw_tree, save_pair
 
 SMALL = (
@@ -41,11 +42,18 @@ def test_writes_everything_that_is_asked_for(flowtree, tmp_path):
     done = flowtree(
         *("reconstruct", front, side, "-o", "tree.glb", "--height", 6, "--yaw", "0,80", *SMALL),
         *("--skeleton", "tree.swc", "--preview", "tree.png", "--report", "tree.json"),
+        *("--levels", 2, "--max-triangles", 4000, "--quantise", "--sway", "--collision", "godot"),
     )
     assert done.code == 0, done.err
     assert done.out.startswith("tree.glb: ")
-    assert (tmp_path / "tree.glb").read_bytes()[:4] == b"glTF"
-    assert json.loads((tmp_path / "tree.json").read_text())["views"][1]["yaw"] == 80.0
+    report, found = json.loads((tmp_path / "tree.json").read_text()), inspect_file(tmp_path / "tree.glb")
+    assert report["views"][1]["yaw"] == 80.0
+    levels = [level["triangles"] for level in report["asset"]["levels"]]
+    assert levels == [level["triangles"] for level in found["levels"]]
+    assert 4000 >= levels[0] > levels[1]
+    assert found["skins"]
+    assert found["bodies"]
+    assert found["extensions"]["required"] == ["KHR_mesh_quantization"]
     with Image.open(tmp_path / "tree.png") as picture:
         assert picture.width == 133
         assert picture.height > 64
