@@ -298,6 +298,7 @@ class MeshingParams(StageParams):
     bark_style: Literal["auto", "furrowed", "smooth", "papery", "plated", "ringed"] = _choice(
         "auto", "the painted bark's habit; auto goes by its colour"
     )
+    bark_color: str = _choice("auto", "of painted bark, as #rrggbb; auto goes by the photos, or by the style")
     bark_scale: float = _number(
         0.6, "length of bark that the texture shows; it repeats beyond", gt=0.001, le=20, unit="m"
     )
@@ -344,7 +345,7 @@ class AssetParams(StageParams):
     )
     levels: int = _number(1, "levels of detail in the file, the finest among them", ge=1, le=4)
     impostor: Literal["none", "crossed", "octahedral"] = _choice(
-        "none", "cards for far away: two crossed ones, or one with pictures from all around"
+        "none", "cards for far away: three that cross, or one with pictures from all around"
     )
     impostor_size: int = _number(
         1024, "height and width of the impostor's texture", ge=64, le=8192, unit="px"

@@ -52,11 +52,3 @@ def quaternions(x: Vectors, y: Vectors, z: Vectors) -> NDArray[np.float64]:
     best = np.argmax(squares, axis=1)
     raw = products[np.arange(len(m)), best]
     return np.asarray(raw / np.linalg.norm(raw, axis=1, keepdims=True))
-
-
-def turn_vectors(rotation: Vectors, vectors: Vectors) -> NDArray[np.float64]:
-    """Vectors (n, 3) or (3,) turned by unit quaternions (n, 4) as (x, y, z, w)."""
-    turn = rotation.astype(np.float64)
-    axis, w = turn[:, :3], turn[:, 3:]
-    across = np.cross(axis, vectors)
-    return np.asarray(vectors + 2.0 * (w * across + np.cross(axis, across)))

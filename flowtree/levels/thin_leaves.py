@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flowtree.geometry.cutout_area import cutout_area
-from flowtree.geometry.frames import turn_vectors
+from flowtree.geometry.rotation_matrices import rotation_matrices
+from flowtree.levels.seen_area import seen_area
 from flowtree.model.foliage import Foliage
-from flowtree.model.mesh import Material, TreeMesh
+from flowtree.model.mesh import TreeMesh
 
 
 def thin_leaves(foliage: Foliage, order: NDArray[np.int64], count: int, leaf: TreeMesh) -> Foliage:
     """The first ``count`` leaves of an order, of another shape, larger by what the others hid.
 
-    The area that passes the alpha test, over all leaves, stays: so does the crown's optical depth. A leaf
-    grows about the middle of its blade, not away from its twig: the crown's outline does not.
+    What is seen of all leaves (`seen_area`) stays, and with it the crown's optical depth. A leaf grows about
+    the middle of its blade, not away from its twig: the crown's outline does not.
 
     Args:
         foliage: n leaves.
@@ -29,13 +29,14 @@ def thin_leaves(foliage: Foliage, order: NDArray[np.int64], count: int, leaf: Tr
     Returns: leaves in the order of ``foliage``, of its material.
     """
     kept = np.sort(order[:count])
-    old, new = _seen_area(foliage.leaf, foliage.material), _seen_area(leaf, foliage.material)
+    old, new = (seen_area(shape, foliage.material) for shape in (foliage.leaf, leaf))
     whole = float(np.sum(foliage.scale.astype(np.float64) ** 2))
     left = float(np.sum(foliage.scale[kept].astype(np.float64) ** 2))
     growth = np.sqrt(whole * old / (left * new)) if left * new > 0 else 1.0
     scale = foliage.scale[kept].astype(np.float64)
     middle, new_middle = _middle(foliage.leaf), _middle(leaf)
-    shift = turn_vectors(foliage.rotation[kept], middle - growth * new_middle) * scale[:, None]
+    turned = rotation_matrices(foliage.rotation[kept]).astype(np.float64)
+    shift = (turned * (middle - growth * new_middle)).sum(axis=2) * scale[:, None]
     rows = {each.name: getattr(foliage, each.name) for each in fields(foliage)}
     changed: dict[str, Any] = {
         name: value[kept] for name, value in rows.items() if isinstance(value, np.ndarray)
@@ -43,14 +44,6 @@ def thin_leaves(foliage: Foliage, order: NDArray[np.int64], count: int, leaf: Tr
     changed["position"] = (foliage.position[kept] + shift).astype(np.float32)
     changed["scale"] = (growth * scale).astype(np.float32)
     return replace(foliage, leaf=leaf, **changed)
-
-
-def _seen_area(leaf: TreeMesh, material: Material) -> float:
-    """Area [m²] of a leaf 1 m long that passes the alpha test."""
-    picture = material.base_color
-    tested = picture.shape[2] == 4 and material.alpha_cutoff is not None
-    alpha = picture[:, :, 3] if tested else np.full((1, 1), 255, np.uint8)
-    return cutout_area(leaf.positions, leaf.uvs, leaf.triangles, alpha, material.alpha_cutoff or 0.0)
 
 
 def _middle(leaf: TreeMesh) -> NDArray[np.float64]:

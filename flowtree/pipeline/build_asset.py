@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from flowtree.model.asset import TreeAsset
+from flowtree.model.asset import Card, TreeAsset
 from flowtree.model.tree import TreeModel
 from flowtree.params import AssetParams, MeshingParams
 from flowtree.pipeline.build_levels import build_levels
+from flowtree.render.bake_impostor import bake_crossed, bake_octahedral
 
 
 def build_asset(
@@ -16,7 +17,7 @@ def build_asset(
     meshing: MeshingParams = MeshingParams(),
     device: str | None = None,
 ) -> TreeAsset:
-    """Makes levels of detail within the budget.
+    """Makes levels of detail within the budget, and an impostor of the finest of them.
 
     Args:
         tree: with its skeleton.
@@ -26,7 +27,7 @@ def build_asset(
         device: to run on.
 
     Raises:
-        InputError: a budget too small for the trunk.
+        InputError: a budget too small for the trunk, or pictures too small for anything.
     """
     levels = build_levels(
         tree,
@@ -36,4 +37,10 @@ def build_asset(
         seed=seed,
         device=device,
     )
-    return TreeAsset(levels=levels)
+    cards: tuple[Card, ...] = ()
+    if params.impostor == "crossed":
+        cards = (bake_crossed(levels[0], size=params.impostor_size, device=device),)
+    elif params.impostor == "octahedral":
+        size, frames = params.impostor_size, params.impostor_frames
+        cards = (bake_octahedral(levels[0], size=size, frames=frames, device=device),)
+    return TreeAsset(levels=levels, cards=cards)

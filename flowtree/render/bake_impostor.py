@@ -1,0 +1,203 @@
+"""Impostors: a few flat cards with pictures of the tree on them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flowtree import check
+from flowtree.geometry.octahedral_map import level_axes, square_to_direction
+from flowtree.geometry.srgb import encode_srgb_bytes
+from flowtree.model.asset import Card
+from flowtree.model.mesh import Material, TreeMesh
+from flowtree.model.tree import TreeModel
+from flowtree.render.assemble_scene import Scene, assemble_scene, corner_points
+from flowtree.render.cast_scene import ParallelView
+from flowtree.render.dilate_colors import dilate_colors
+from flowtree.render.keep_coverage import keep_coverage
+from flowtree.render.view_tree_from import texture_pyramids, view_tree_from
+
+_CUTOFF = 0.5
+_MARGIN = 1.0 / 32.0  # of a picture, kept free on every side: its halved pictures do not show its neighbours
+_SAMPLES = 3
+_YAWS = (0.0, 60.0, 120.0)  # [degrees], of the crossed cards
+_BEHIND = np.float32(0.7)  # of a crossed card's optical depth: others stand before and behind it
+_LEAST = 8  # pixels of a picture
+
+
+@dataclass(frozen=True)
+class _Picture:
+    """One picture in the texture.
+
+    Attributes:
+        axes: (3, 3), as in `ParallelView`.
+        middle: (3,) [m], what is in its centre.
+        half: half width and half height [m].
+        left: column of the texture [pixels].
+        upper: row of the texture [pixels].
+    """
+
+    axes: NDArray[np.float64]
+    middle: NDArray[np.float64]
+    half: tuple[float, float]
+    left: int
+    upper: int
+
+
+def bake_crossed(tree: TreeModel, *, size: int = 1024, device: str | None = None) -> Card:
+    """Three upright cards that cross in the trunk, seen from yaw 0, 60 and 120.
+
+    The texture shows the pictures side by side, yaw 0 on the left; seen from behind a card shows the same. It
+    has colours without light, alpha for an alpha test at 0.5 (see `keep_coverage`) and normals in the
+    card's own tangent space. Where nothing is seen the colours go on (see `dilate_colors`).
+
+    Args:
+        tree: world frame [m].
+        size: longer side of the texture [pixels].
+        device: to run on.
+
+    Raises:
+        InputError: a tree that has nothing to show, or broken arrays.
+    """
+    scene, low, high = _bounds(tree)
+    spans = []
+    for yaw in _YAWS:
+        axes = level_axes(np.array([np.sin(np.radians(yaw)), 0.0, np.cos(np.radians(yaw))]))
+        across = axes[0].astype(np.float32) @ corner_points(scene)
+        spans.append((axes, float(across.min()), float(across.max())))
+    tall = float(high[1] - low[1])
+    wide = max(right - left for _, left, right in spans)
+    pixel = max(len(_YAWS) * wide, tall) / (size * (1.0 - 2.0 * _MARGIN))
+    columns, rows = (
+        max(_LEAST, round(length / pixel / (1.0 - 2.0 * _MARGIN) / 4.0) * 4) for length in (wide, tall)
+    )
+    pictures = []
+    for number, (axes, left, right) in enumerate(spans):
+        middle = 0.5 * (left + right) * axes[0] + np.array([0.0, 0.5 * (low[1] + high[1]), 0.0])
+        half = (0.5 * pixel * columns, 0.5 * pixel * rows)
+        pictures.append(_Picture(axes, middle, half, number * columns, 0))
+    material = _bake(
+        scene,
+        pictures,
+        (columns, rows),
+        (len(pictures) * columns, rows),
+        "impostor_crossed",
+        device,
+        tested=True,
+    )
+    return Card("crossed", _cards(pictures, (columns, rows), (len(pictures) * columns, rows)), material)
+
+
+def bake_octahedral(tree: TreeModel, *, size: int = 1024, frames: int = 8, device: str | None = None) -> Card:
+    """One card for a shader that turns it to the eye, with pictures from the whole upper half of the world.
+
+    The texture has ``frames`` x ``frames`` square pictures. The one in column i and row j, counted from the
+    upper left, is seen from the direction at (2 i / (frames - 1) - 1, 2 j / (frames - 1) - 1) of the
+    hemi-octahedral map (`square_to_direction`): the pictures at the border are seen from the horizon. Each
+    shows the square of side ``s`` around the point ``c``, across its direction, image-right level
+    (`level_axes`); c and s are the middle and the side of the card's mesh, which shows the picture from the
+    direction nearest to +z. A shader blends the three nearest pictures: see `look_up_impostor`.
+
+    Colours and normals are as in `bake_crossed`; the normals are (right, up, toward) of their own picture.
+    Alpha is the share of each texel that is tree, for a shader that blends or dithers it.
+
+    Args:
+        tree: world frame [m].
+        size: side of the texture [pixels]; what ``frames`` do not divide is left out.
+        frames: pictures along each side.
+        device: to run on.
+
+    Raises:
+        InputError: a tree that has nothing to show, broken arrays, pictures smaller than 8 pixels.
+    """
+    side = size // max(frames, 1)
+    check.require(
+        frames >= 2 and side >= _LEAST,
+        "impostor",
+        f"needs 2 pictures along a side, of {_LEAST} pixels each",
+        f"{frames} of {side} pixels",
+        "choose fewer frames or a larger size",
+    )
+    scene, low, high = _bounds(tree)
+    middle = 0.5 * (low + high).astype(np.float64)
+    points = corner_points(scene)
+    reach = float(np.sqrt(((points - middle[:, None].astype(np.float32)) ** 2).sum(axis=0).max()))
+    half = reach / (1.0 - 2.0 * _MARGIN)
+    place = 2.0 * np.arange(frames) / (frames - 1) - 1.0
+    column, row = np.meshgrid(np.arange(frames), np.arange(frames))
+    toward = square_to_direction(np.stack([place[column.ravel()], place[row.ravel()]], axis=1))
+    pictures = [
+        _Picture(level_axes(out), middle, (half, half), int(i) * side, int(j) * side)
+        for out, i, j in zip(toward, column.ravel(), row.ravel(), strict=True)
+    ]
+    whole = (frames * side, frames * side)
+    material = _bake(scene, pictures, (side, side), whole, "impostor_octahedral", device, tested=False)
+    front = pictures[int(np.argmax(toward[:, 2]))]
+    ahead = _Picture(level_axes(np.array([0.0, 0.0, 1.0])), middle, front.half, front.left, front.upper)
+    return Card("octahedral", _cards([ahead], (side, side), whole), material, frames)
+
+
+def _bounds(tree: TreeModel) -> tuple[Scene, NDArray[np.float32], NDArray[np.float32]]:
+    """The tree's triangles, and the corners (3,) of the box around them."""
+    scene = assemble_scene(tree)
+    something = len(scene.triangles) > 0
+    check.require(something, "tree", "needs a triangle or a leaf", "neither", "mesh the skeleton first")
+    points = corner_points(scene)
+    return scene, points.min(axis=1), points.max(axis=1)
+
+
+def _bake(
+    scene: Scene,
+    pictures: list[_Picture],
+    picture: tuple[int, int],
+    whole: tuple[int, int],
+    name: str,
+    device: str | None,
+    *,
+    tested: bool,
+) -> Material:
+    """The texture of all pictures; sizes are (columns, rows) [pixels]."""
+    columns, rows = picture
+    pyramids = texture_pyramids(scene)
+    color = np.zeros((whole[1], whole[0], 4), np.uint8)
+    normal = np.empty((whole[1], whole[0], 3), np.uint8)
+    for each in pictures:
+        pixel = 2.0 * each.half[0] / columns
+        foot = (
+            0.5 * columns - float(each.middle @ each.axes[0]) / pixel,
+            0.5 * rows + float(each.middle @ each.axes[1]) / pixel,
+        )
+        view = ParallelView(each.axes, pixel, foot, columns, rows, _SAMPLES)
+        seen = view_tree_from(scene, view, pyramids, device=device)
+        filled = dilate_colors(np.concatenate([seen.color, seen.normal], axis=2), seen.alpha)
+        length = np.linalg.norm(filled[:, :, 3:], axis=2, keepdims=True)
+        facing = filled[:, :, 3:] / np.maximum(length, np.float32(1e-6))
+        area = (slice(each.upper, each.upper + rows), slice(each.left, each.left + columns))
+        color[area][:, :, :3] = encode_srgb_bytes(filled[:, :, :3])
+        alpha = keep_coverage(1 - (1 - seen.alpha) ** _BEHIND, _CUTOFF) if tested else seen.alpha
+        color[area][:, :, 3] = np.rint(255.0 * alpha)
+        normal[area] = np.rint(127.5 * (facing + 1.0))
+    return Material(name, color, normal=normal, double_sided=True, alpha_cutoff=_CUTOFF)
+
+
+def _cards(pictures: list[_Picture], picture: tuple[int, int], whole: tuple[int, int]) -> TreeMesh:
+    """A rectangle in the place of each picture."""
+    positions, normals, uvs, triangles, tangents = [], [], [], [], []
+    for number, each in enumerate(pictures):
+        right, up = each.half[0] * each.axes[0], each.half[1] * each.axes[1]
+        positions.append(each.middle + np.stack([-right - up, right - up, right + up, up - right]))
+        normals.append(np.tile(each.axes[2], (4, 1)))
+        u = (each.left + np.array([0, picture[0], picture[0], 0])) / whole[0]
+        v = (each.upper + np.array([picture[1], picture[1], 0, 0])) / whole[1]
+        uvs.append(np.stack([u, v], axis=1))
+        triangles.append(4 * number + np.array([[0, 1, 2], [0, 2, 3]]))
+        tangents.append(np.tile(np.append(each.axes[0], 1.0), (4, 1)))
+    return TreeMesh(
+        positions=np.concatenate(positions).astype(np.float32),
+        normals=np.concatenate(normals).astype(np.float32),
+        uvs=np.concatenate(uvs).astype(np.float32),
+        triangles=np.concatenate(triangles).astype(np.int32),
+        tangents=np.concatenate(tangents).astype(np.float32),
+    )

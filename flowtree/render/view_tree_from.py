@@ -1,0 +1,98 @@
+"""What a tree is made of, seen from one side: colours without light, normals, alpha."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flowtree.render.assemble_scene import Scene
+from flowtree.render.cast_scene import ParallelView, cast_scene
+from flowtree.render.interpolate_hits import (
+    corner_weights,
+    look_up_texture,
+    ray_places,
+    spread_values,
+    texture_level,
+)
+from flowtree.render.sample_texture import build_pyramid
+
+Pyramids = tuple[list[NDArray[np.float32]], list[NDArray[np.float32]]]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A picture of what can be lit later.
+
+    Attributes:
+        color: (h, w, 3) float32, linear, of what is seen, not multiplied with alpha; 0 where nothing is.
+        normal: (h, w, 3) float32, unit, as (right, up, toward the eye); toward the eye where nothing is.
+        alpha: (h, w) float32 in 0..1, the share of each pixel that is tree.
+    """
+
+    color: NDArray[np.float32]
+    normal: NDArray[np.float32]
+    alpha: NDArray[np.float32]
+
+
+def texture_pyramids(scene: Scene) -> Pyramids:
+    """The bark's and the leaves' textures in all sizes: the same for all views."""
+    return build_pyramid(scene.bark.base_color), [] if scene.leaf is None else build_pyramid(
+        scene.leaf.base_color
+    )
+
+
+def view_tree_from(
+    scene: Scene, view: ParallelView, pyramids: Pyramids, *, device: str | None = None
+) -> Surface:
+    """Casts the view's rays and averages what those of each pixel meet.
+
+    Leaves have two sides: the normal is that of the side that is seen. The bark's own relief is left out, it
+    is finer than a pixel.
+
+    Args:
+        scene: the triangles.
+        view: the rays.
+        pyramids: of the scene's textures, see `texture_pyramids`.
+        device: to run on.
+    """
+    hits = cast_scene(scene, view, device=device)
+    ray = np.flatnonzero(hits.hit)
+    triangle = hits.hit.ravel()[ray] - 1
+    x, y = ray_places(ray, hits.hit.shape[1], view.samples)
+    # Every triangle's texture level would be worked out: only those that are met are worth it.
+    met, place = np.unique(triangle, return_inverse=True)
+    corners = np.take(scene.triangles, triangle, axis=0).T
+    weight = corner_weights(hits.corner, corners, x, y)
+    values = np.concatenate([scene.colors, scene.uvs, scene.normals.T], axis=1)
+    spread = spread_values(values, corners, weight)
+    color, uv, normal = spread[:, :3], spread[:, 3:5], spread[:, 5:] @ view.axes.T.astype(np.float32)
+    level = texture_level(replace(scene, triangles=scene.triangles[met]), hits.corner)[place]
+    wood = triangle < scene.wood_triangles
+    for chosen, pyramid in zip((wood, ~wood), pyramids, strict=True):
+        if chosen.any():
+            color[chosen] *= look_up_texture(pyramid, uv[chosen], level[chosen])
+    normal *= np.where(normal[:, 2:] < 0, np.float32(-1), np.float32(1))
+    row, column = np.divmod(ray, hits.hit.shape[1])
+    pixel = row // view.samples * view.width + column // view.samples
+    shape = (view.height, view.width)
+    count = np.bincount(pixel, minlength=view.width * view.height)
+    mean = _means(pixel, color, count).reshape(*shape, 3)
+    facing = _means(pixel, normal, count)
+    length = np.linalg.norm(facing, axis=1, keepdims=True)
+    toward = np.tile(np.array([0.0, 0.0, 1.0]), (len(facing), 1))
+    np.divide(facing, length, out=toward, where=length > 1e-6)
+    return Surface(
+        color=mean.astype(np.float32),
+        normal=toward.reshape(*shape, 3).astype(np.float32),
+        alpha=(count / view.samples**2).reshape(shape).astype(np.float32),
+    )
+
+
+def _means(
+    pixel: NDArray[np.intp], values: NDArray[np.float32], count: NDArray[np.intp]
+) -> NDArray[np.float64]:
+    """The mean (pixels, 3) of what the rays of each pixel met; 0 where they met nothing."""
+    total = [np.bincount(pixel, part, minlength=len(count)) for part in values.T]
+    return np.stack(total, axis=1) / np.maximum(count, 1)[:, None]
