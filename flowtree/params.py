@@ -314,7 +314,7 @@ class LeafParams(StageParams):
     picture: str | None = _choice(None, "PNG of a leaf with alpha, its stalk's end at the bottom centre")
     size: float = _number(
         0.013,
-        "mean length of a leaf; larger where the crown would need too many",
+        "length of a leaf; larger where the crown would need too many, smaller where few",
         gt=0,
         le=0.5,
         unit="tree heights",

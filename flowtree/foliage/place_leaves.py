@@ -32,6 +32,8 @@ from flowtree.params import LeafParams
 
 _FACING = 0.5  # mean of |cosine| between random leaves and a view
 _STEM = 3.0  # rows no wider than this many radii of the trunk show the stem alone
+_PLENTY = 16_000  # leaves that are many enough to be chosen well
+_SMALLEST = 0.65  # factor to the length of a leaf, where fewer would do
 _WORTH = 0.01  # alpha that must be missing where a leaf would hang
 _PLACES = 80_000  # looked at, at most
 _STEPS = 8  # of a leaf's length and of the places' number, to each doubling
@@ -89,8 +91,11 @@ def place_leaves(
     area = float(np.mean([_missing_area(canvas) for canvas in canvases])) / _FACING
     if area < coverage * (0.25 * params.size * height) ** 2:
         return None
-    least = params.size * height
-    length = least * _step_up(float(np.sqrt(area / (coverage * params.most))) / least)
+    usual = params.size * height
+    count = area / (coverage * usual**2)
+    # Leaves no larger than the gaps between them, where that does not make too many to choose well.
+    small = float(np.clip(np.sqrt(count / _PLENTY), _SMALLEST, 1.0))
+    length = usual * _step_up(max(small, float(np.sqrt(count / params.most))))
     wanted = area / (coverage * length**2)
     places = _offer_places(skeleton, params, wanted, length, height, seed)
     for canvas in canvases:
@@ -154,8 +159,8 @@ def _missing_area(canvas: CoverCanvas) -> float:
 
 
 def _step_up(factor: float) -> float:
-    """The next of a few factors from 1 on: what hangs on all of a matte must not change with a bit of it."""
-    return float(np.exp2(np.ceil(_STEPS * np.log2(max(factor, 1.0))) / _STEPS))
+    """The next of a few factors: what hangs on all of a matte must not change with a bit of it."""
+    return float(np.exp2(np.ceil(_STEPS * np.log2(factor)) / _STEPS))
 
 
 def _offer_places(
@@ -164,7 +169,7 @@ def _offer_places(
     """``params.choice`` times ``wanted`` places, evenly along everything thin."""
     way = float(bearing_way(skeleton, params).sum())
     often = min(wanted * params.choice, _PLACES) / max(way / length, 1e-9)
-    rate = params.densest / _step_up(params.densest / max(often, 1e-9)) / length
+    rate = params.densest / _step_up(max(params.densest / max(often, 1e-9), 1.0)) / length
     return find_leaf_places(skeleton, rate=rate, length=length, height=height, params=params, seed=seed)
 
 

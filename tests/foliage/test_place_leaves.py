@@ -125,11 +125,25 @@ def test_the_crown_gets_the_depth_of_its_mattes():
         assert 0.5 < mask[in_crown(camera)].mean() < 0.8
 
 
-def test_amount_scales_the_number():
+def test_amount_scales_the_leaves():
     """More than in proportion: the wood's own depth is taken off first."""
-    counts = [len(place_leaves(*CROWN.inputs, params=LeafParams(amount=a)).scale) for a in (0.4, 0.8, 1.6)]
-    assert 2 * counts[0] < counts[1]
-    assert 1.6 < counts[2] / counts[1] < 2.6
+    made = [place_leaves(*CROWN.inputs, params=LeafParams(amount=amount)).scale for amount in (0.4, 0.8, 1.6)]
+    area = [float((scale**2).sum()) for scale in made]
+    assert 2 * area[0] < area[1]
+    assert 1.6 < area[2] / area[1] < 2.6
+
+
+def test_where_few_leaves_do_they_are_small_and_where_many_are_asked_for_large():
+    """A leaf as long as a cell of the measure blurs the gaps of an open crown."""
+    lengths, counts = [], []
+    for amount in (0.1, 1.0, 4.0):
+        foliage = place_leaves(*CROWN.inputs, params=LeafParams(amount=amount, most=14_000))
+        lengths.append(float(foliage.scale.mean()) / HEIGHT / LeafParams().size)
+        counts.append(len(foliage.scale))
+    assert lengths[0] == pytest.approx(0.7, abs=0.05)
+    assert lengths == sorted(lengths)
+    assert lengths[-1] > 1.2
+    assert max(counts) <= 14_000
 
 
 def with_hole(scene, centre, radius):
