@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from flowtree import check
 from flowtree.geometry.place_chance import place_chance
+from flowtree.geometry.read_color import read_color
 from flowtree.geometry.srgb import decode_srgb
 
 _GREEN = "#5f7f38"
@@ -50,9 +49,7 @@ def tint_leaves(
         InputError: no such colour.
     """
     text = _USUAL.get(shape, _GREEN) if color == "auto" else color
-    written = re.fullmatch(r"#[0-9a-fA-F]{6}", text) is not None
-    check.require(written, "leaf color", "must be auto or #rrggbb", repr(color), "write it like #5f7f38")
-    mean = decode_srgb(np.frombuffer(bytes.fromhex(text[1:]), np.uint8) / 255.0) / _TEXTURE
+    mean = decode_srgb(read_color(text, "leaf color") / 255.0) / _TEXTURE
 
     def normal(stream: int) -> NDArray[np.float64]:
         return np.asarray(ndtri(1e-9 + (1.0 - 2e-9) * place_chance(code, seed, number + stream)))

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from flowtree.geometry.srgb import LIGHT_OF_BYTE, encode_srgb_bytes
+from flowtree.geometry.srgb import LIGHT_OF_BYTE, decode_srgb, encode_srgb, encode_srgb_bytes
+from flowtree.meshing.light_bark import light_bark
 from flowtree.meshing.quilt_texture import quilt_texture
 from flowtree.meshing.rectify_trunk import TrunkPicture, TrunkStrip, rectify_trunk
 from flowtree.meshing.relief_map import relief_map
@@ -74,7 +75,9 @@ def cut_bark(
         light = np.asarray(cv2.resize(light, None, fx=shown, fy=shown, interpolation=cv2.INTER_AREA))
     block = round(_BLOCK * min(light.shape[:2]))
     tile = quilt_texture(light, size, block=block, random=np.random.default_rng(seed))
-    tile *= light.mean(axis=(0, 1)) / np.maximum(tile.mean(axis=(0, 1)), 1e-6)
+    mean = light.mean(axis=(0, 1))
+    lit = decode_srgb(light_bark(255.0 * encode_srgb(mean)) / 255.0)
+    tile *= (lit / np.maximum(tile.mean(axis=(0, 1)), 1e-6)).astype(np.float32)
     grey = tile.mean(axis=2).astype(np.float64)
     relief = np.clip(grey / grey.mean() - 1.0, -1.0, 1.0)
     smooth = gaussian_filter(relief, size / 256.0, mode="wrap")

@@ -24,11 +24,19 @@ _HABITS: dict[str, tuple[BarkPattern, float]] = {  # with the roughness of the s
     "plated": (plated, 0.9),
     "ringed": (ringed, 0.9),
 }
+_PLAIN = np.array([112.0, 98.0, 82.0])  # sRGB, grey brown
+_USUAL = {
+    "furrowed": _PLAIN,
+    "smooth": np.array([146.0, 144.0, 136.0]),
+    "papery": np.array([224.0, 220.0, 211.0]),
+    "plated": np.array([133.0, 100.0, 76.0]),
+    "ringed": np.array([140.0, 122.0, 102.0]),
+}
 _RELIEF = 0.6  # the normal map shows this share of the heights: full relief glitters from afar
 
 
 def paint_bark(
-    color: ArrayLike,
+    color: ArrayLike | None,
     *,
     style: BarkStyle = "auto",
     growth: Habit | None = None,
@@ -42,7 +50,8 @@ def paint_bark(
 
     Args:
         color: (3,) sRGB 0..255. From afar, where only the mean is seen, the bark has this colour: the mean of
-            the texture's linear values is that of the colour, where needed at the cost of contrast.
+            the texture's linear values is that of the colour, where needed at the cost of contrast. None
+            takes what is usual for the style.
         style: the habit; "auto" takes papery for near white, smooth for pale plain grey, plated for reddish
             brown, furrowed for the rest, as far as ``growth`` does not tell.
         growth: which way the tree's branches grow, if that is known: palms are ringed, conifers plated.
@@ -54,6 +63,8 @@ def paint_bark(
     Raises:
         InputError: a colour out of range, an unknown style, a size below 16 or above 4096.
     """
+    if color is None:
+        color = _USUAL.get(style, _PLAIN) if growth is None else _USUAL[pick_habit(_PLAIN, growth)]
     srgb = check.array(color, "bark color", shape=(3,), dtype=np.float64, low=0.0, high=255.0)
     habit = pick_habit(srgb, growth) if style == "auto" else style
     check.require(

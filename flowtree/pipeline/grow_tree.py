@@ -14,8 +14,10 @@ from flowtree.branches.sprout_twigs import sprout_twigs
 from flowtree.device import pick_device
 from flowtree.foliage.make_leaf import make_leaf
 from flowtree.foliage.scatter_leaves import scatter_leaves
+from flowtree.geometry.read_color import read_color
 from flowtree.meshing.load_bark import load_bark
 from flowtree.meshing.paint_bark import paint_bark
+from flowtree.model.attractor import Habit
 from flowtree.model.foliage import Foliage
 from flowtree.model.mesh import Material, TreeMesh
 from flowtree.model.skeleton import Skeleton
@@ -28,7 +30,7 @@ from flowtree.pipeline.run_stages import run_stages
 from flowtree.pipeline.stage import Job, Stage
 from flowtree.pipeline.steps import run_assembly, run_closing, run_meshing
 
-_BARK = (104, 90, 74)  # sRGB, a usual greyish brown
+_GROWTH: dict[str, Habit] = {"needle": "conifer", "frond": "palm"}  # what leaves tell of the bark
 _LEAF = (0.8, 0.8, 0.8)  # linear; leaves take their own colour from the foliage
 
 
@@ -132,7 +134,11 @@ def _sprout(
 def _bark(job: Job, picture: Path | None) -> Material:
     if picture is not None:
         return load_bark(picture)
-    return paint_bark(_BARK, style=job.params.meshing.bark_style, seed=job.seed)
+    params = job.params.meshing
+    color = None if params.bark_color == "auto" else read_color(params.bark_color, "bark color")
+    return paint_bark(
+        color, style=params.bark_style, growth=_GROWTH.get(job.params.leaves.shape), seed=job.seed
+    )
 
 
 def _leaf(job: Job, picture: Path | None) -> tuple[TreeMesh, Material] | None:
@@ -194,7 +200,7 @@ GROWING: tuple[Stage, ...] = (
         run=_bark,
         inputs=("bark_source",),
         outputs=("bark",),
-        params=("meshing",),
+        params=("meshing", "leaves"),
         seeded=True,
         share=0.3,
     ),

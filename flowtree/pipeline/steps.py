@@ -32,11 +32,13 @@ from flowtree.foliage.pick_leaf import pick_leaf
 from flowtree.foliage.place_leaves import place_leaves
 from flowtree.foliage.spread_colors import spread_colors
 from flowtree.geometry.closed_surfaces import is_watertight
+from flowtree.geometry.read_color import read_color
 from flowtree.matting.judge_leafy import judge_leafy
 from flowtree.matting.paint_matte import paint_matte
 from flowtree.meshing.close_seams import close_seams
 from flowtree.meshing.connect_ramifications import connect_ramifications
 from flowtree.meshing.cut_bark import cut_bark
+from flowtree.meshing.light_bark import light_bark
 from flowtree.meshing.load_bark import load_bark
 from flowtree.meshing.measure_bark import measure_bark
 from flowtree.meshing.paint_bark import paint_bark
@@ -288,14 +290,17 @@ def run_bark(
     if picture is not None:
         return load_bark(picture)
     params, seed = job.params.meshing, job.seed
-    if params.bark_style == "auto":
+    if params.bark_style == "auto" and params.bark_color == "auto":
         trunks = open_trunks(
             branches, sources, photos, placements, cameras, mirrored, params=job.params.photos
         )
         cut = cut_bark(branches, mattes, cameras, trunks, scale=params.bark_scale, seed=seed)
         if cut is not None:
             return cut
-    color = measure_bark(branches, mattes, cameras)
+    if params.bark_color == "auto":
+        color = light_bark(measure_bark(branches, mattes, cameras))
+    else:
+        color = read_color(params.bark_color, "bark color")
     return paint_bark(color, style=params.bark_style, growth=habit, seed=seed)
 
 

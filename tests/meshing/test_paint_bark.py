@@ -84,6 +84,15 @@ def test_palms_are_ringed_and_conifers_plated_whatever_their_colour():
     assert pick_habit(np.array((110.0, 98.0, 84.0)), "weeping") == "furrowed"
 
 
+def test_without_a_colour_each_style_has_its_own():
+    means = {s: paint_bark(None, style=s, size=32).base_color.mean(axis=(0, 1)) for s in STYLES}
+    assert means["papery"].min() > 190
+    assert means["plated"][0] > means["plated"][2] + 30
+    assert np.ptp(means["smooth"]) < 20
+    assert paint_bark(None, size=32).name == "bark_furrowed"
+    assert paint_bark(None, growth="palm", size=32).name == "bark_ringed"
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
