@@ -59,7 +59,8 @@ def encode_glb(
     Nodes: ``<name>`` with the children ``<name>_wood`` and, unless the tree is bare, ``<name>_leaves``, each
     with a mesh. With several levels or cards those stand below ``<name>_LOD0``, ``<name>_LOD1``, … instead;
     the scene to show holds level 0, which names the others (MSFT_lod), and each of them is a scene of its own
-    for programs that do not know that extension. Skinned meshes are roots of the scene, as glTF wants them,
+    for programs that do not know that extension; an octahedral card, which needs a shader of its own, stands
+    only there. Skinned meshes are roots of the scene, as glTF wants them,
     and name their own next levels.
 
     All leaves are one mesh (Blender makes an object of every instance). Opaque pictures and normal maps are
@@ -112,7 +113,7 @@ class _Writer:
             below += [joints[0] for _, _, joints in self._armatures]
             chains = [[level["wood"] for level in parts if "wood" in level]]
             chains += [[level["leaves"] for level in parts if "leaves" in level]]
-            chains[0 if chains[0] else 1] += cards
+            chains[0 if chains[0] else 1] += self._plain(cards)
             scenes = [[root, *level.values()] for level in parts]
         elif len(self._steps) == 1:
             below += parts[0].values() if parts else cards
@@ -124,7 +125,7 @@ class _Writer:
                 for step, level in zip(self._steps, parts, strict=False)
             ]
             below.append(groups[0])
-            chains, scenes = [groups + cards], [[root], *([group] for group in groups[1:])]
+            chains, scenes = [groups + self._plain(cards)], [[root], *([group] for group in groups[1:])]
         for chain in chains:
             self._link(chain)
         if asset.collision is not None:
@@ -168,6 +169,10 @@ class _Writer:
         node = self._parts.add_mesh(name, card.mesh, card.material)
         self._builder.entry("nodes", node)["extras"] = {"impostor": card.name, "frames": card.frames}
         return node
+
+    def _plain(self, cards: list[int]) -> list[int]:
+        """Those that show the tree as they are: a map of many pictures needs a shader of its own."""
+        return [node for node, card in zip(cards, self._asset.cards, strict=True) if card.frames == 1]
 
     def _skin(self, armature: Armature, sway: Sway | None) -> int:
         """The skin of a level; levels with the same joints share theirs, and with it the motion."""

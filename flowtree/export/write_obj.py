@@ -95,7 +95,7 @@ def _material(name: str, material: Material, beside: Path, contents: dict[Path, 
     if masked and pixels.shape[2] == 4:
         lines.append(f"map_d {color}")
     if material.normal is not None:
-        normal = _picture(material.normal, beside.with_name(f"{beside.name}_normal"), contents, lossy=False)
+        normal = _picture(material.normal, beside.with_name(f"{beside.name}_normal"), contents, lossy=True)
         lines.append(f"norm {normal}")
     return "\n".join(lines) + "\n\n"
 

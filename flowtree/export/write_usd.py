@@ -36,8 +36,8 @@ def write_usd(tree: TreeModel | TreeAsset, path: Path) -> None:
     Metres, y up. The default prim is a component with ``wood``, a mesh, and ``leaves``, a point instancer of
     one leaf; levels and cards are the variants ``LOD0``, ``LOD1``, … of its variant set ``LOD``. Materials
     are UsdPreviewSurface; that cannot multiply a texture with a colour, so the mean of the leaves' colours is
-    multiplied into their picture, and each leaf's own stands in the instancer's ``displayColor``. Wind and
-    solid bodies are left out.
+    multiplied into their picture, and each leaf's own stands in the instancer's ``displayColor``. Wind, solid
+    bodies, and cards that need a shader of their own are left out.
 
     Raises:
         InputError: the tree is broken (see `check_asset`), or usd-core is not installed.
@@ -45,6 +45,8 @@ def write_usd(tree: TreeModel | TreeAsset, path: Path) -> None:
     """
     asset = tree if isinstance(tree, TreeAsset) else TreeAsset((tree,))
     check_asset(asset)
+    if asset.levels:
+        asset = replace(asset, cards=tuple(card for card in asset.cards if card.frames == 1))
     stem = re.sub(r"\W", "_", path.stem)
     with tempfile.TemporaryDirectory() as folder:
         beside = Path(folder)

@@ -76,7 +76,7 @@ def test_obj_with_spaces_in_its_name_still_finds_its_files(tmp_path: Path) -> No
         "my old oak.obj",
         "my_old_oak.mtl",
         "my_old_oak_wood.jpg",
-        "my_old_oak_wood_normal.png",
+        "my_old_oak_wood_normal.jpg",
         "my_old_oak_leaves.png",
     }
     parts = trimesh.load_scene(path).geometry

@@ -74,6 +74,21 @@ def test_level_0_is_shown_and_names_the_others():
     assert nodes["Oak_LOD3"]["extras"] == {"impostor": "crossed", "frames": 1}
 
 
+@pytest.mark.parametrize("asset", [levelled(), equipped()], ids=["levels", "skinned"])
+def test_a_card_that_needs_a_shader_is_no_level_for_everybody(asset):
+    asset = dataclasses.replace(asset, cards=(dataclasses.replace(asset.cards[0], frames=8),))
+    document, _ = take_apart(encode_glb(asset))
+    card = [node["name"] for node in document["nodes"]].index("Oak_LOD3")
+    linked = [
+        node
+        for each in document["nodes"]
+        for node in each.get("extensions", {}).get("MSFT_lod", {}).get("ids", [])
+    ]
+    assert linked
+    assert card not in linked
+    assert document["scenes"][3]["nodes"] == [card]
+
+
 def test_joints_stand_and_turn_as_they_should():
     asset = equipped()
     document, buffer = take_apart(encode_glb(asset))
