@@ -16,8 +16,8 @@ _LEAST = 1e-3  # half width of a corner, in texture widths: a strip must not clo
 def simplify_leaf(leaf: TreeMesh, material: Material, *, bands: int = 1, pieces: int = 1) -> TreeMesh:
     """Covers what the texture shows of a leaf with strips of ``bands`` trapezoids, flat across.
 
-    A strip runs along the texture's v, no wider than what is seen there, and lies where the leaf's own
-    surface lies: its corners are looked up on the leaf, and beyond it on the plane of the nearest triangle.
+    A strip runs along the texture's v, no wider than what is seen there, and lies where the leaf's own midrib
+    lies: places are looked up on the leaf, and beyond it on the plane of the nearest triangle.
 
     Args:
         leaf: in the frame of `Foliage`.
@@ -91,8 +91,12 @@ def _strip(
     uv = np.stack([u, np.repeat((bottom + corners * (top - bottom))[:, None], 2, axis=1)], axis=2)
     uv = np.clip(uv.reshape(-1, 2), 0.0, 1.0)
     positions, normals = _look_up(leaf, triangles, uv)
-    # Corners go round so that the upper side, where the normals point, sees them counter-clockwise.
-    return positions, normals, uv
+    # Both edges of a folded leaf rise: laid flat, it lies where its midrib is.
+    midrib, _ = _look_up(leaf, triangles, np.repeat(uv.reshape(-1, 2, 2).mean(axis=1), 2, axis=0))
+    edges = positions.reshape(-1, 2, 3)
+    across = 0.5 * (edges[:, 1] - edges[:, 0])
+    flat = midrib + np.stack([-across, across], axis=1).reshape(-1, 3)
+    return flat, normals, uv
 
 
 def _seen_rows(material: Material, low: Floats, high: Floats) -> tuple[Floats, Floats, Floats]:
