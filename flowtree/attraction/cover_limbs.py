@@ -43,7 +43,8 @@ def cover_limbs(
     """
     near = cv2.dilate(limb.astype(np.uint8), np.ones((3, 3), np.uint8))
     search = MCP_Geometric(cost)
-    way, _ = search.find_costs([target])
+    way, came = search.find_costs([target])
+    steps = [(int(down), int(right)) for down, right in search.offsets]
     places = np.argwhere((ends > _MIDDLE) & np.isfinite(way))
     followed = (tree.node_at >= 0).astype(np.uint8)
     reach = max(1, round(_BESIDE * tall))
@@ -53,11 +54,28 @@ def cover_limbs(
     for row, column in places[np.argsort(-way[tuple(places.T)], kind="stable")].tolist():
         if followed[row, column] or count == _MOST:
             continue
-        path = search.traceback((row, column))
-        new = next((k for k, cell in enumerate(path[::-1]) if tree.node_at[cell] >= 0), len(path))
+        path = _walk_to_tree(tree, came, steps, (row, column))
+        new = len(path) - (tree.node_at[path[0]] >= 0)
         if new < _SHORTEST * tall or np.mean([near[cell] for cell in path[-new:]]) < _SHOWN:
             continue
         tree.add_path(path)
         count += 1
-        for y, x in path[-new - 1 :]:
+        for y, x in path:
             cv2.circle(followed, (x, y), reach, 1, -1)
+
+
+def _walk_to_tree(
+    tree: GrowingTree, came: NDArray[np.integer], steps: list[tuple[int, int]], end: tuple[int, int]
+) -> list[tuple[int, int]]:
+    """The cells of the cheapest path from where it leaves the tree, or from the target, to its end.
+
+    To trace it back to the target takes ten times as long, and most of it is tree already.
+    """
+    path = [end]
+    row, column = end
+    while tree.node_at[row, column] < 0 and came[row, column] >= 0:
+        down, right = steps[came[row, column]]
+        row, column = row - down, column - right
+        path.append((row, column))
+    path.reverse()
+    return path
