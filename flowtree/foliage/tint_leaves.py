@@ -15,7 +15,7 @@ from flowtree.geometry.srgb import decode_srgb
 _GREEN = "#5f7f38"
 _USUAL = {  # of each shape's leaves in summer
     "lanceolate": "#6f8a48",
-    "needle": "#3f5f3c",
+    "needle": "#486138",
     "frond": "#5c7d33",
     "compound": "#587a36",
     "blossom": "#f0cfd8",
