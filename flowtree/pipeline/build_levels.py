@@ -25,6 +25,8 @@ _MOST_LEVELS = 4
 _NEXT = 2  # times fewer triangles in level 1 than in level 0
 _FAR, _FAR_SHARE = 4000, 15  # level 2: triangles at most, and how many times fewer than in level 0
 _FARTHEST = 4  # times fewer in level 3 than in level 2
+_LEAST = 64  # triangles, which may become fewer no more
+_COARSEST = {"sides": 3, "tolerance": 0.2}  # of meshing, for a trunk that is too fine for its budget
 _NEAR_ENOUGH = 0.94  # of the wood's triangles: more than this are used where there are branches left
 _TRIES = 8
 _MOST_SHARE = 1.6
@@ -44,7 +46,7 @@ def build_levels(
     """Makes levels of detail from the tree's skeleton and leaves, the finest first.
 
     Level 0 has ``max_triangles`` at most, and is the tree itself where that fits; level 1 has half of
-    them, level 2 a fifteenth and 4,000 at most, level 3 a quarter of that. The wood is swept anew, with fewer
+    them, level 2 a fifteenth and 4,000 at most, level 3 a quarter of that; none need have less than 64. The wood is swept anew, with fewer
     sides and rings and, where that is not enough, fewer and thicker twigs (see `thin_skeleton`); there are
     fewer and larger leaves (see `thin_leaves`) of fewer triangles (see `simplify_leaf`). A branch or leaf of
     a level is in all finer ones, too. Leaves of branches that are gone belong to the node where these began.
@@ -67,7 +69,8 @@ def build_levels(
     whole = _triangles(tree)
     finest = min(max_triangles, whole) if max_triangles else whole
     far = min(_FAR, finest // _FAR_SHARE)
-    budgets = (finest, finest // _NEXT, far, far // _FARTHEST)[:count]
+    least = min(_LEAST, finest)
+    budgets = [max(most, least) for most in (finest, finest // _NEXT, far, far // _FARTHEST)[:count]]
     if count == 1 and whole <= finest:
         return (tree,)
     rank = rank_branches(tree.skeleton, seed=seed)
@@ -140,7 +143,7 @@ def _fit_wood(
 ) -> _Wood:
     """The skeleton with as many branches as the budget allows, its nodes for those of the whole, its wood.
 
-    Where even the trunk alone has more triangles than the budget, it is the trunk.
+    Where even the trunk alone has more triangles than the budget, it is the trunk, as coarse as can be.
     """
     share = 1.0
 
@@ -154,14 +157,15 @@ def _fit_wood(
 
     whole, count = _surface(tree.wood), len(rank.fork)
     best = build(count)
-    if len(best[2].triangles) <= budget or count == 1:
+    if len(best[2].triangles) <= budget:
         again = build(count)
         return again if len(again[2].triangles) <= budget else best
     high = (count, len(best[2].triangles))
     best = build(1)
     low = (1, len(best[2].triangles))
     if low[1] > budget:
-        return best
+        params = params.model_copy(update=_COARSEST)
+        return build(1)
     share = 1.0
     aim = 0.5 * (1.0 + _NEAR_ENOUGH) * budget
     for _ in range(_TRIES):

@@ -9,7 +9,7 @@ from flowtree.meshing.sweep_rings import sweep_rings
 from flowtree.model.foliage import Foliage
 from flowtree.model.skeleton import Skeleton
 from flowtree.model.tree import TreeModel
-from tests.skeletons import random_skeleton
+from tests.skeletons import skeleton_of
 from tests.trees import bark_material
 
 
@@ -32,9 +32,37 @@ def leaves_on(skeleton: Skeleton, count: int, *, shape: str = "broad", seed: int
     )
 
 
-def grown_tree(seed: int = 0, nodes: int = 300, leaves: int = 400, *, shape: str = "broad") -> TreeModel:
-    """A tree of many short branches."""
-    skeleton = random_skeleton(seed, nodes, stubborn=0.6)
+def crown(seed: int = 0, limbs: int = 30) -> Skeleton:
+    """A trunk of 10 m, curved limbs all round it, each with thin branches and these with twigs."""
+    rng = np.random.default_rng(seed)
+    parent, points = [-1], [np.zeros(3)]
+
+    def grow(at: int, toward: np.ndarray, length: float, nodes: int) -> list[int]:
+        grown = []
+        for _ in range(nodes):
+            toward = toward + 0.25 * rng.normal(size=3) + np.array([0.0, 0.1, 0.0])
+            toward /= np.linalg.norm(toward)
+            parent.append(at)
+            points.append(points[at] + length / nodes * toward)
+            at = len(points) - 1
+            grown.append(at)
+        return grown
+
+    trunk = grow(0, np.array([0.0, 3.0, 0.0]), 10.0, 14)
+    for limb in range(limbs):
+        turn, high = 2.4 * limb, 3 + limb * 10 // limbs
+        out = np.array([np.cos(turn), 0.6, np.sin(turn)])
+        for node in grow(trunk[high], out, 4.5 - 0.25 * high, 5):
+            for _ in range(3):
+                aside = out + 0.8 * rng.normal(size=3)
+                for inner in grow(node, aside / np.linalg.norm(aside), 1.2, 3):
+                    grow(inner, rng.normal(size=3), 0.4, 1)
+    return skeleton_of(np.array(parent, np.int32), np.array(points), rng)
+
+
+def crowned_tree(seed: int = 0, *, limbs: int = 30, leaves: int = 3000, shape: str = "broad") -> TreeModel:
+    """Its wood swept, and leaves on it."""
+    skeleton = crown(seed, limbs)
     return TreeModel(
         name="Tree",
         height=float(skeleton.points[:, 1].max()),
