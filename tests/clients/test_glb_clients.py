@@ -13,6 +13,7 @@ from flowtree.export.merge_leaves import merge_leaves
 from flowtree.export.write_glb import write_glb
 from flowtree.model.mesh import TreeMesh
 from flowtree.model.tree import TreeModel
+from tests.assets import equipped, levelled, meshed_tree
 from tests.clients.node import load_in_three, validate_glb
 from tests.trees import bare_tree, hand_made_tree, unusual_tree
 
@@ -61,6 +62,22 @@ def test_the_validator_finds_no_error(files: dict[Path, TreeModel]) -> None:
         triangles = sum(len(mesh.triangles) for mesh in expected_meshes(tree).values())
         assert report["info"]["totalTriangleCount"] == triangles
         assert not report["info"].get("resources", [{}])[0].get("uri")
+
+
+@pytest.mark.parametrize("quantise", [False, True], ids=["exact", "quantised"])
+@pytest.mark.parametrize("engine", ["godot", "unreal", "unity"])
+def test_the_validator_finds_nothing_wrong_with_all_there_is(
+    tmp_path: Path, engine: str, quantise: bool
+) -> None:
+    layouts = ("attributes", "colors", engine)
+    assets = {layout: equipped(layout) for layout in layouts} | {"levels": levelled()}
+    for name, asset in assets.items():
+        write_glb(asset, tmp_path / f"{name}.glb", quantise=quantise, engine=engine)
+    write_glb(meshed_tree(), tmp_path / "instanced.glb", quantise=quantise, instanced=True)
+    paths = sorted(tmp_path.iterdir())
+    for path, report in zip(paths, validate_glb(*paths), strict=True):
+        assert report["issues"]["numWarnings"] == 0, (path, report["issues"]["messages"][:3])
+    assert len(paths) == len(assets) + 1
 
 
 def test_three_loads_the_same_tree(files: dict[Path, TreeModel]) -> None:

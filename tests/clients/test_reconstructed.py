@@ -77,12 +77,9 @@ def _triangles(tree: TreeModel) -> dict[str, int]:
     return counts
 
 
-def test_the_validator_finds_no_error(made):
+def test_the_validator_finds_nothing_wrong(made):
     for (_, tree), report in zip(made, validate_glb(*(path for path, _ in made)), strict=True):
-        codes = {message["code"] for message in report["issues"]["messages"] if message["severity"] == 1}
-        assert codes <= {
-            "MESH_PRIMITIVE_GENERATED_TANGENT_SPACE"
-        }  # true of every normal map without tangents
+        assert report["issues"]["numWarnings"] == 0, report["issues"]["messages"][:3]
         assert report["info"]["totalTriangleCount"] == sum(_triangles(tree).values())
 
 
