@@ -45,11 +45,12 @@ def build_levels(
 ) -> tuple[TreeModel, ...]:
     """Makes levels of detail from the tree's skeleton and leaves, the finest first.
 
-    Level 0 has ``max_triangles`` at most, and is the tree itself where that fits; level 1 has half of
-    them, level 2 a fifteenth and 4,000 at most, level 3 a quarter of that; none need have less than 64. The wood is swept anew, with fewer
-    sides and rings and, where that is not enough, fewer and thicker twigs (see `thin_skeleton`); there are
-    fewer and larger leaves (see `thin_leaves`) of fewer triangles (see `simplify_leaf`). A branch or leaf of
-    a level is in all finer ones, too. Leaves of branches that are gone belong to the node where these began.
+    Level 0 has ``max_triangles`` at most, and is the tree itself where that fits; level 1 has half of them,
+    level 2 a fifteenth and 4,000 at most, level 3 a quarter of that; none need have less than 64. The wood is
+    swept anew, with fewer sides and rings and, where that is not enough, fewer and thicker twigs (see
+    `thin_skeleton`); there are fewer and larger leaves (see `thin_leaves`) of fewer triangles (see
+    `simplify_leaf`). A branch or leaf of a level is in all finer ones, too. Leaves of branches that are gone
+    belong to the node where these began.
 
     Args:
         tree: with its skeleton.
