@@ -89,8 +89,8 @@ def papery(rng: np.random.Generator, size: int) -> tuple[Floats, Floats]:
     )
     # Rough dark patches, wider than high and of all sizes, so that no one of them betrays the repeat.
     torn = tile_noise(rng, size, 16, 30, rough=2.2)
-    patches = tile_noise(rng, size, 4.5, 9, rough=0.9) + 0.25 * torn
-    scar = _step(1.75, 2.15, patches)
+    patches = tile_noise(rng, size, 7, 13, rough=0.9) + 0.25 * torn
+    scar = _step(1.8, 2.2, patches)
     peel = np.clip(band - 1.2, 0.0, 1.0)
     edge = np.clip(np.roll(peel, 2, axis=0) - peel, 0.0, 1.0)
     height = (
@@ -108,7 +108,7 @@ def ringed(rng: np.random.Generator, size: int) -> tuple[Floats, Floats]:
     phase = y * rings + 0.16 * tile_noise(rng, size, 3, 4, rough=0.6) + 0.03 * tile_noise(rng, size, 25, 6)
     ring = np.mod(phase, 1.0)
     fibre = tile_noise(rng, size, 80, 6, rough=1.0)
-    crack = np.clip(tile_noise(rng, size, 26, 5, rough=1.2) - 1.25, 0.0, 1.0)
+    crack = np.clip(tile_noise(rng, size, 26, 5, rough=1.2) - 1.25, 0.0, 0.7)
     crumb = tile_noise(rng, size, 45, 45, rough=2.0)
     groove = 1.0 - _step(0.0, 0.10, ring) * _step(0.0, 0.05, 1.0 - ring)
     lip = np.exp(-(((ring - 0.16) / 0.09) ** 2))
