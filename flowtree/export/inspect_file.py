@@ -9,11 +9,15 @@ from flowtree import check
 from flowtree.export.inspect_glb import inspect_glb
 from flowtree.export.inspect_mesh import inspect_mesh
 from flowtree.export.inspect_skeleton import inspect_skeleton
+from flowtree.export.inspect_usd import inspect_usd
 
 _INSPECTORS = {
     ".glb": inspect_glb,
     ".obj": inspect_mesh,
     ".ply": inspect_mesh,
+    ".usda": inspect_usd,
+    ".usdc": inspect_usd,
+    ".usdz": inspect_usd,
     ".swc": inspect_skeleton,
     ".csv": inspect_skeleton,
     ".json": inspect_skeleton,
@@ -23,7 +27,8 @@ _INSPECTORS = {
 def inspect_file(path: Path) -> dict[str, Any]:
     """Lists what a tree or skeleton file holds, as plain data for JSON.
 
-    Returns: see `inspect_glb`, `inspect_mesh` and `inspect_skeleton`; always with "kind", "bytes", "bounds".
+    Returns: see `inspect_glb`, `inspect_mesh`, `inspect_usd` and `inspect_skeleton`; always with "kind",
+        "bytes", "bounds".
 
     Raises:
         InputError: another ending, or a file that cannot be read or is damaged.

@@ -233,7 +233,7 @@ def test_any_damage_to_the_bytes_is_read_or_refused(tmp_path: Path, data: st.Dat
 
 @pytest.mark.parametrize("name", ["tree.xyz", "tree"])
 def test_an_unknown_ending_names_the_known_ones(tmp_path: Path, name: str) -> None:
-    with pytest.raises(InputError, match=r"must end in \.glb, \.obj, \.ply, \.swc, \.csv, \.json"):
+    with pytest.raises(InputError, match=r"must end in \.glb, \.obj, \.ply, \.usda.*, \.swc, \.csv, \.json"):
         inspect_file(tmp_path / name)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from flowtree.errors import InputError, OutputError
+from flowtree.export.inspect_file import inspect_file
 from flowtree.export.merge_leaves import merge_leaves
 from flowtree.export.write_usd import USD_ENDINGS, write_usd
 from tests.assets import equipped, meshed_tree
@@ -100,6 +101,24 @@ def test_levels_and_cards_are_variants(pxr, tmp_path):
     levels.SetVariantSelection("LOD3")
     assert not root.GetChild("wood")
     assert root.GetChild("card")
+
+
+@pytest.mark.parametrize("ending", USD_ENDINGS)
+def test_inspecting_says_what_was_put_in(pxr, tmp_path, ending):
+    asset, path = equipped(), tmp_path / f"oak{ending}"
+    write_usd(asset, path)
+    found = inspect_file(path)
+    expected = [
+        len(level.wood.triangles) + len(level.foliage.position) * len(level.foliage.leaf.triangles)
+        for level in asset.levels
+    ]
+    assert [level["triangles"] for level in found["levels"]] == [*expected, 4]
+    assert found["triangles"] == expected[0]
+    np.testing.assert_allclose(found["bounds"]["max"][1], 3.5, atol=1e-3)
+    assert found["warnings"] == []
+    path.write_bytes(b"nonsense")
+    with pytest.raises(InputError, match="must be a well-formed file"):
+        inspect_file(path)
 
 
 @pytest.mark.parametrize("ending", USD_ENDINGS)
