@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from flowtree.meshing.branch_axes import Floats, Ints, unit
 from flowtree.meshing.branch_curves import BranchCurves
 from flowtree.meshing.find_exits import Exits
-from flowtree.meshing.lay_rings import ControlRings
+from flowtree.meshing.lay_rings import ControlRings, return_from
 from flowtree.meshing.map_bark import wrap_bark
 from flowtree.params import MeshingParams
 
+_OVERSHOOT = 0.2  # of the drift of the ring before
 _FLARE_REACH = 1.3  # of the trunk's radius, over which the root flare fades
-_DRIFT = 1.5  # how soon a branch that was pushed along its host is back on its own axis
 
 CLOSED, HOSTING, BASE, FOOT = range(
     4
@@ -123,9 +123,7 @@ def place_corners(
     flare = np.exp(-arc / (_FLARE_REACH * exits.host_radius[0]))
     radius = np.where(trunk, radius * (1.0 + params.root_flare * flare), radius)
 
-    away = np.linalg.norm(drift, axis=1)
-    fading = np.exp(-(arc - arc[first][chain]) / (_DRIFT * away + exits.radius)[chain])
-    center = center + np.where(trunk, 0.0, fading)[:, None] * drift[chain]
+    center = center + drifted(chain, arc - arc[first][chain], drift, exits.radius)
 
     factor = np.array([1.0 / shrinkage(steps) for steps in range(int(steps_left.max()) + 1)])
     reach = radius * factor[steps_left[chain]]
@@ -138,10 +136,10 @@ def place_corners(
         around = np.cross(along, across)
         out = np.cos(angle)[..., None] * across[:, None] + np.sin(angle)[..., None] * around[:, None]
         outward = exits.outward[chain]
-        facing = np.maximum(np.sum(outward * along, axis=1), 0.3)
+        facing = np.maximum(np.sum(outward * along, axis=1), 0.2)
         lift = -np.sum(out * outward[:, None], axis=2) / facing[:, None] * rings.shear[:, None]
         corner = center[:, None] + reach[:, None, None] * (
-            out + np.clip(lift, -1.5, 1.5)[..., None] * along[:, None]
+            out + np.clip(lift, -2.2, 2.2)[..., None] * along[:, None]
         )
         step = corner[1:] - corner[:-1]
         middle = unit(along[1:] + along[:-1])
@@ -152,6 +150,24 @@ def place_corners(
         turned[folded] = turned[folded + 1] = unit(middle[folded] + unit(center[folded + 1] - center[folded]))
         along = np.where(foot[:, None], along, turned)
     return RingCorners(corner, node, repeats, start, first, last)
+
+
+def drifted(chain: Ints, away: Floats, drift: Floats, radius: Floats) -> Floats:
+    """How far rings (r, 3) [m] are moved for branches (c,) that were pushed by drifts (c, 3).
+
+    The first ring on the branch's own axis overshoots a little: subdivision mixes it with the one before.
+
+    Args:
+        chain: (r,), the branch of each ring, never falling.
+        away: (r,) [m], its distance from the branch's base.
+        drift: (c, 3) [m].
+        radius: (c,) [m].
+    """
+    left = np.square(np.clip(1.0 - away / return_from(drift, radius)[chain], 0.0, 1.0))
+    before = np.where(np.concatenate(([False], chain[1:] == chain[:-1])), np.roll(left, 1), 0.0)
+    share = np.where(left > 0.0, left, -_OVERSHOOT * before)
+    moved: Floats = share[:, None] * drift[chain]
+    return moved
 
 
 def build_tubes(

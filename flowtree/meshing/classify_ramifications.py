@@ -13,7 +13,7 @@ from flowtree.meshing.branch_curves import BranchCurves
 from flowtree.meshing.find_exits import Exits
 
 _FINER = 8.0  # a branch this many times thinner than the thickest needs half as many sides
-_THIN = 0.35  # of the host's radius; thinner branches fit into a face of a host once subdivided
+_THIN = 0.25  # of the host's radius; thinner branches fit into a face of a host once subdivided
 _CORNER = np.radians(35.0)  # from the middle of a face: nearer than 10 degrees to an edge of the unit
 _NEAR = 0.5  # of the unit's half length: children this near to its middle may share it
 
@@ -69,8 +69,8 @@ def classify_ramifications(
     Unlike the paper, branches are also told apart by thickness: one that needs fewer sides, or is thin enough
     for a face of its host once that is subdivided, is LATER: made and put in after another subdivision. That
     is what keeps thousands of twigs from having as many sides as the trunk. After the last subdivision but
-    one everything is made as it is; what is not connectable there gets a unit of its own further along, if
-    there is room, or else a face.
+    one everything is made as it is: there the first condition does not count, and what is not connectable
+    gets a unit of its own further along, if there is room, or else a face.
 
     Args:
         curves: the branches.
@@ -85,10 +85,9 @@ def classify_ramifications(
     kind[0] = TRUNK
     hosted = kind == CONNECTABLE
 
-    sine = np.sqrt(np.maximum(1.0 - exits.lean**2, 0.0))
-    half = 1.06 * exits.radius * np.clip(1.0 / np.maximum(sine, 1e-3), 1.0, 1.6)
+    half = exits.half[:, 1] + 0.4 * np.abs(exits.lean) * exits.radius  # with room for the web
     thin = exits.radius < _THIN * exits.host_radius
-    long = np.maximum(1.5 * half, np.where(thin, 0.0, exits.host_radius))
+    long = np.maximum(np.where(thin, 2.0, 1.5) * half, np.where(thin, 0.0, exits.host_radius))
     short = half / 0.8
 
     own = np.arange(count)
@@ -102,7 +101,8 @@ def classify_ramifications(
     turn = exits.angle[other] - exits.angle[current[other]]
     side = np.rint(turn / (0.5 * np.pi)).astype(np.int64) % 4
     off = np.abs(np.mod(turn + 0.25 * np.pi, 0.5 * np.pi) - 0.25 * np.pi)
-    fits = (off <= _CORNER) & (side != 0)
+    unpasted = birth[other] + 1 >= subdivisions
+    fits = ((off <= _CORNER) | unpasted) & (side != 0)
     fits &= np.abs(exits.arc[other] - exits.arc[current[other]]) <= _NEAR * long[current[other]]
     fits &= short[other] <= long[current[other]]
     face = 4 * current[other] + side

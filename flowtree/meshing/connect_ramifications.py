@@ -12,10 +12,12 @@ from flowtree.meshing.branch_axes import Floats, Ints
 from flowtree.meshing.branch_curves import BranchCurves, trace_curves
 from flowtree.meshing.build_tubes import (
     BASE,
+    CLOSED,
     FOOT,
     ControlMesh,
     RingCorners,
     build_tubes,
+    drifted,
     place_corners,
 )
 from flowtree.meshing.check_skeleton import check_skeleton
@@ -38,7 +40,10 @@ from flowtree.model.skeleton import Skeleton
 from flowtree.params import MeshingParams
 
 _EMPTY = (((0, 3), float), ((0,), int), ((0, 4), int), ((0, 4, 2), float), ((0,), int), ((0,), int))
-_THIN = 0.35  # of the host's radius: thinner branches fit into one face of it, once subdivided
+_LIFT = 0.35  # radii by which a start boundary is lifted from the face, where little smoothing follows
+_RISE = 1.0  # radii by which the crotch of a branch along its host is filled
+_RISE_LIFTED = 0.7  # the same where the boundary is lifted
+_THIN = 0.25  # of the host's radius: thinner branches fit into one face of it, once subdivided
 
 
 def connect_ramifications(
@@ -90,11 +95,11 @@ def connect_ramifications(
     made = classify_ramifications(curves, exits, subdivisions=steps, all_additional=all_additional)
     collars = shape_collars(curves, exits, made.birth, max(steps - 1, 0))
     made, units = place_units(curves, exits, made, collars, subdivisions=steps)
-    rings = lay_rings(curves, exits, made, units, collars)
     targets = _targets(curves, exits, made)
     drift = targets - curves.at(np.arange(len(targets)), exits.begin)[0]
+    rings = lay_rings(curves, exits, made, units, collars, drift)
     corners = place_corners(curves, exits, rings, drift, steps - made.birth, params)
-    work = _Work(exits, curves.host, made, units, rings, corners, targets)
+    work = _Work(exits, curves.host, made, units, rings, corners, targets, collars.second, steps)
     none = ControlMesh(*(np.zeros(shape, kind) for shape, kind in _EMPTY))
     mesh = _grown(work, 0, none)
     for step in range(1, steps + 1):
@@ -115,15 +120,42 @@ class _Work:
     rings: ControlRings
     corners: RingCorners
     target: Floats  # (c, 3) [m], where on its host's surface each begins
+    collar: Floats  # (c,) [m], arc of the last ring by which each begins
+    steps: int  # subdivisions of the whole
 
     def openings(self, branch: Ints, vertex: Ints) -> Openings:
         """What is asked of the hosts of branches (p,) whose rings begin at vertices (r,)."""
         ring = self.corners.first[branch]
-        lean = np.sqrt(np.maximum(1.0 - self.exits.lean[branch] ** 2, 1e-3))
-        wide = 1.06 * self.exits.radius[branch]
-        half = np.stack([wide, wide * np.clip(1.0 / lean, 1.0, 1.6)], axis=1)
-        start, along = self.corners.corner[ring], self.exits.host_along[branch]
-        return Openings(branch, vertex[ring], start, self.target[branch], along, half)
+        exits = self.exits
+        # What sees one subdivision more gets its fillet from that.
+        last = self.made.birth[branch] + 1 >= self.steps
+        lift = np.where(last, _LIFT, 0.0) * exits.radius[branch]
+        rise = np.where(last, _RISE_LIFTED, _RISE) * exits.radius[branch] * exits.lean[branch]
+        return Openings(
+            base=vertex[ring],
+            start=self.corners.corner[ring],
+            target=self.target[branch],
+            along=exits.host_along[branch],
+            half=exits.half[branch],
+            lift=lift[:, None] * exits.way[branch],
+            rise=rise,
+        )
+
+    def main_faces(self, branch: Ints, quad: Ints) -> Ints:
+        """The quads (p,) of their hosts' units that connectable branches (p,) leave through.
+
+        Args:
+            branch: (p,).
+            quad: (r,) the quad of side 0 above each ring.
+        """
+        row = np.empty(len(self.host), np.int64)
+        row[self.units.owner] = np.arange(len(self.units.owner))
+        owner = self.made.unit[branch]
+        ring = self.rings.start[row[owner]]
+        quarter = 0.5 * np.pi
+        main = np.rint((self.made.angle[owner] - self.rings.turn[ring]) / quarter)
+        aside = np.rint((self.made.angle[branch] - self.made.angle[owner]) / quarter)
+        return np.asarray(quad[ring] + (main + aside).astype(np.int64) % 4, np.int64)
 
 
 def _targets(curves: BranchCurves, exits: Exits, made: Ramifications) -> Floats:
@@ -146,28 +178,47 @@ def _grown(work: _Work, step: int, mesh: ControlMesh) -> ControlMesh:
     mesh = mesh.joined(tubes)
 
     planted = branches[made.kind[branches] == CONNECTABLE]
-    row = np.empty(len(made.kind), np.int64)
-    row[work.units.owner] = np.arange(len(work.units.owner))
-    owner = made.unit[planted]
-    ring = work.rings.start[row[owner]]
-    quarter = 0.5 * np.pi
-    main = np.rint((made.angle[owner] - work.rings.turn[ring]) / quarter)
-    aside = np.rint((made.angle[planted] - made.angle[owner]) / quarter)
-    mesh = open_faces(mesh, quad[ring] + (main + aside).astype(np.int64) % 4, work.openings(planted, vertex))
-
+    main = work.main_faces(planted, quad)
+    mesh.kind[main] = CLOSED  # kept for them
     later = branches[made.kind[branches] == LATER]
     thick = work.exits.radius[later] >= _THIN * work.exits.host_radius[later]
     wide = later[thick & (made.birth[work.host[later]] < step)]
     hole = find_holes(mesh, work.host[wide], work.target[wide], work.exits.radius[wide])
     found = hole[:, 0] >= 0
-    later = later[~np.isin(later, wide[found])]
     mesh = open_vertices(mesh, hole[found], work.openings(wide[found], vertex))
+    _follow(work, mesh, wide[found], vertex)
+    later = later[~np.isin(later, wide[found])]
     while len(later):
         face = find_faces(mesh, work.host[later], work.target[later], work.exits.radius[later])
         put = face >= 0
         mesh = open_faces(mesh, face[put], work.openings(later[put], vertex))
+        _follow(work, mesh, later[put], vertex)
         later = later[~put]
+    mesh = open_faces(mesh, main, work.openings(planted, vertex))
+    # Their hosts' rings have their places already: only what lies before the first unit may follow.
+    _follow(work, mesh, planted, vertex, all_rings=False)
     return mesh
+
+
+def _follow(work: _Work, mesh: ControlMesh, branch: Ints, vertex: Ints, *, all_rings: bool = True) -> None:
+    """Moves the first rings of branches (p,) to where their hosts have let them begin."""
+    corners, exits = work.corners, work.exits
+    first = corners.first[branch]
+    base = mesh.positions[vertex[first][:, None] + np.arange(4)].mean(axis=1)
+    asked = work.openings(branch, vertex)
+    aside = asked.lift + 0.5 * asked.rise[:, None] * asked.along
+    off = np.zeros((len(corners.first), 3))
+    off[branch] = base - aside - corners.corner[first].mean(axis=1)
+    chosen = np.zeros(len(off), np.bool_)
+    chosen[branch] = True
+    chain = work.rings.chain
+    ring = np.flatnonzero(chosen[chain])
+    ring = ring[ring != corners.first[chain[ring]]]
+    if not all_rings:
+        ring = ring[work.rings.arc[ring] <= work.collar[chain[ring]]]
+    on = chain[ring]
+    away = work.rings.arc[ring] - work.rings.arc[corners.first[on]]
+    mesh.positions[vertex[ring][:, None] + np.arange(4)] += drifted(on, away, off, exits.radius)[:, None]
 
 
 def _pasted(work: _Work, step: int, mesh: ControlMesh) -> ControlMesh:

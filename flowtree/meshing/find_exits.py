@@ -12,6 +12,8 @@ from flowtree.meshing.branch_curves import BranchCurves, any_across
 
 # Where a branch is looked at, in radii of its host: beyond the last it stays a part of it.
 _STEPS = np.array([0.4, 0.7, 0.9, 1.05, 1.2, 1.4, 1.65, 2.0, 2.5, 3.1, 4.0, 5.0])
+_WIDTH = 1.06  # half the width of the square that becomes a circle of radius 1
+_SLANT = 2.4  # a slanting section is this much longer than wide at most
 _SHARE = 0.6  # of a branch's length that may lie inside the host
 
 
@@ -28,6 +30,8 @@ class Exits:
         radius: (c,) [m], the branch's where it begins.
         host_radius: (c,) [m], beside it.
         lean: (c,) cosine between the branch and the host's direction.
+        way: (c, 3), unit, the branch's direction there.
+        half: (c, 2) [m], half the size of its square section with the host's surface, across and along it.
     """
 
     begin: Floats
@@ -38,6 +42,8 @@ class Exits:
     radius: Floats
     host_radius: Floats
     lean: Floats
+    way: Floats
+    half: Floats
 
 
 def find_exits(curves: BranchCurves) -> Exits:
@@ -79,7 +85,9 @@ def find_exits(curves: BranchCurves) -> Exits:
     outward = local_units(along, toward)[:, 2]
     angle = np.arctan2(np.sum(outward * two, axis=1), np.sum(outward * one, axis=1))
     lean = np.clip(np.sum(direction * along, axis=1), -1.0, 1.0)
-    return Exits(begin, arc, outward, along, angle, radius, host_radius, lean)
+    slant = np.clip(1.0 / np.sqrt(np.maximum(1.0 - lean**2, 1e-6)), 1.0, _SLANT)
+    half = _WIDTH * radius[:, None] * np.stack([np.ones(count), slant], axis=1)
+    return Exits(begin, arc, outward, along, angle, radius, host_radius, lean, direction, half)
 
 
 def _nearest_arc(curves: BranchCurves, host: Ints, fork_arc: Floats, place: Floats) -> Floats:

@@ -18,8 +18,9 @@ _FOOT = (0.05, 0.2)  # rings close above the ground keep its edge: subdivision r
 _FLARE = (0.65, 1.6, 3.4)  # rings that follow the flare, in radii
 _OFF = 0.06  # radii that a bend may be cut by before it gets two rings
 _SHARP = 0.5  # a bend of more [radians] gets three
+_ASTRAY = 0.25  # host radii that a face may be away from where a branch comes out
 _SPACING = 0.6  # radii between rings that nothing asks for
-_ANCHOR = 0.35  # of the host's radius: thinner branches leave a face wherever it is, not through its middle
+_ANCHOR = 0.25  # of the host's radius: thinner branches leave a face wherever it is, not through its middle
 
 Bools = NDArray[np.bool_]
 
@@ -44,7 +45,12 @@ class ControlRings:
 
 
 def lay_rings(
-    curves: BranchCurves, exits: Exits, made: Ramifications, units: Units, collars: Collars
+    curves: BranchCurves,
+    exits: Exits,
+    made: Ramifications,
+    units: Units,
+    collars: Collars,
+    drift: Floats,
 ) -> ControlRings:
     """Rings at bases, collars and ends, at the units' boundaries, and in between where a branch bends.
 
@@ -63,17 +69,20 @@ def lay_rings(
         follows, np.roll(units.end, 1), np.where(units.host == 0, -1.0, collars.second[units.host])
     )
     fresh = units.start > before
+    topped = np.zeros(count, np.bool_)
+    topped[units.host[units.end == collars.tip[units.host]]] = True
     parts: list[tuple[Ints, Floats, Floats]] = [
         (branch, collars.begin, np.where(branch > 0, 1.0, 0.0)),
         (side, collars.first[1:], np.full(count - 1, 0.5)),
         (side[two[1:]], collars.second[side[two[1:]]], np.full(two[1:].sum(), 0.15)),
         (np.zeros(len(_FOOT), np.int64), foot * np.array(_FOOT), np.zeros(len(_FOOT))),
         (branch, collars.end, np.zeros(count)),
+        (branch[~topped], collars.tip[~topped], np.zeros((~topped).sum())),
         (units.host[fresh], units.start[fresh], np.zeros(fresh.sum())),
         (units.host, units.end, np.zeros(len(units.end))),
     ]
     chain, arc, shear = (np.concatenate(column) for column in zip(*parts, strict=True))
-    soft_chain, soft_arc = _between(curves, exits, made, collars, foot)
+    soft_chain, soft_arc = _between(curves, exits, made, collars, drift, foot)
     soft_chain, soft_arc = _clear_of(curves, (chain, arc), units, (soft_chain, soft_arc))
 
     fixed = len(chain)
@@ -87,8 +96,19 @@ def lay_rings(
     return ControlRings(chain, arc, _turns(curves, exits, units, collars, chain, arc), shear[order], end - 1)
 
 
+def return_from(drift: Floats, radius: Floats) -> Floats:
+    """How far (n,) [m] from their bases branches that were pushed (n, 3) are on their own axes."""
+    back: Floats = 3.0 * np.linalg.norm(drift, axis=1) + 1.5 * radius
+    return back
+
+
 def _between(
-    curves: BranchCurves, exits: Exits, made: Ramifications, collars: Collars, foot: float
+    curves: BranchCurves,
+    exits: Exits,
+    made: Ramifications,
+    collars: Collars,
+    drift: Floats,
+    foot: float,
 ) -> tuple[Ints, Floats]:
     """Rings that bends, the root flare and branches put in later ask for: branch (n,) and arc (n,) [m]."""
     axes = curves.axes
@@ -107,7 +127,13 @@ def _between(
     host = curves.host
     later = np.flatnonzero((made.kind != CONNECTABLE) & (host >= 0))
     reach = 0.8 * exits.host_radius[later]
+    # Those put in later find their faces later: by then the rings stand.
+    pushed = np.linalg.norm(drift, axis=1)
+    pushed[later] = np.maximum(pushed[later], _ASTRAY * exits.host_radius[later])
+    moved = np.flatnonzero((pushed > 0.1 * exits.radius) & (host >= 0))
+    home = collars.begin[moved] + 3.0 * pushed[moved] + 1.5 * exits.radius[moved]
     rows = [
+        (moved, home),
         (axes.chain[row[one]], at[one]),
         (axes.chain[row[split]], (at - apart)[split]),
         (axes.chain[row[split]], (at + apart)[split]),

@@ -97,17 +97,7 @@ def open_vertices(mesh: ControlMesh, hole: Ints, openings: Openings) -> ControlM
         pick = [("abcd".index(k), True) if isinstance(k, str) else (k, False) for k in names]
         quads.append(np.stack([inner[:, k] if within else around[:, k] for k, within in pick], axis=1))
         uvs.append(np.stack([inner_uv[:, k] if within else uv[:, k] for k, within in pick], axis=1))
-    kept = np.ones(len(mesh.quads), np.bool_)
-    kept[hole] = False
-    host = mesh.branch[hole[:, 0]]
-    rest = _some(replace(mesh, positions=positions), kept)
-    return replace(
-        rest,
-        quads=np.concatenate([rest.quads, np.stack(quads, axis=1).reshape(-1, 4)]),
-        uvs=np.concatenate([rest.uvs, np.stack(uvs, axis=1).reshape(-1, 4, 2)]),
-        branch=np.concatenate([rest.branch, np.repeat(host, 6)]),
-        kind=np.concatenate([rest.kind, np.full(6 * len(host), HOSTING)]),
-    )
+    return _replaced(replace(mesh, positions=positions), hole, np.stack(quads, axis=1), np.stack(uvs, axis=1))
 
 
 def fill_face(mesh: ControlMesh, face: Ints, base: Ints) -> ControlMesh:
@@ -133,15 +123,29 @@ def fill_face(mesh: ControlMesh, face: Ints, base: Ints) -> ControlMesh:
         np.stack([outer[:, 3], own[:, 7], own[:, 6], own[:, 5]], axis=1),
         np.stack([outer[:, 3], outer[:, 0], own[:, 0], own[:, 7]], axis=1),
     ]
-    kept = np.ones(len(mesh.quads), np.bool_)
-    kept[face] = kept[base] = False
-    rest = _some(replace(mesh, positions=positions), kept)
+    filled = _replaced(
+        replace(mesh, positions=positions),
+        face[:, None],
+        np.stack(quads, axis=1),
+        np.repeat(mesh.uvs[face][:, None], 6, axis=1),
+    )
+    kept = np.ones(len(filled.quads), np.bool_)
+    kept[base] = False
+    return _some(filled, kept)
+
+
+def _replaced(mesh: ControlMesh, old: Ints, quads: Ints, uvs: Floats) -> ControlMesh:
+    """The mesh with quads (p, j, 4) in the places of old ones (p, k), j > k, the rest behind the last."""
+    size = old.shape[1]
+    all_quads, all_uvs, kind = mesh.quads.copy(), mesh.uvs.copy(), mesh.kind.copy()
+    all_quads[old], all_uvs[old], kind[old] = quads[:, :size], uvs[:, :size], HOSTING
+    host = np.repeat(mesh.branch[old[:, 0]], quads.shape[1] - size)
     return replace(
-        rest,
-        quads=np.concatenate([rest.quads, np.stack(quads, axis=1).reshape(-1, 4)]),
-        uvs=np.concatenate([rest.uvs, np.repeat(mesh.uvs[face], 6, axis=0)]),
-        branch=np.concatenate([rest.branch, np.repeat(mesh.branch[face], 6)]),
-        kind=np.concatenate([rest.kind, np.full(6 * len(face), HOSTING)]),
+        mesh,
+        quads=np.concatenate([all_quads, quads[:, size:].reshape(-1, 4)]),
+        uvs=np.concatenate([all_uvs, uvs[:, size:].reshape(-1, 4, 2)]),
+        branch=np.concatenate([mesh.branch, host]),
+        kind=np.concatenate([kind, np.full(len(host), HOSTING)]),
     )
 
 

@@ -27,12 +27,14 @@ class Collars:
         begin: where it leaves its host; 0 for branch 0.
         first: a ring soon after.
         second: a ring by which the branch runs as its axis does.
+        tip: a ring close to the last, which keeps the tip as thick as it should be.
         end: the last ring.
     """
 
     begin: Floats
     first: Floats
     second: Floats
+    tip: Floats
     end: Floats
 
 
@@ -66,7 +68,9 @@ def shape_collars(curves: BranchCurves, exits: Exits, birth: Ints, last: int) ->
     first = np.where(both, np.minimum(clear, 0.3 * room), np.minimum(1.2 * clear, 0.4 * room))
     second = np.where(both, np.minimum(clear + 1.4 * radius, 0.6 * room), first)
     first[0] = second[0] = 0.0
-    return Collars(begin, begin + first, begin + second, begin + room + 0.3 * radius)
+    thin = curves.at(np.arange(len(begin)), curves.length)[1]
+    tip = begin + room - np.minimum(0.6 * thin, 0.2 * room)
+    return Collars(begin, begin + first, begin + second, tip, begin + room + 0.3 * thin)
 
 
 def place_units(
@@ -86,7 +90,7 @@ def place_units(
     host = curves.host[owner]
     low = np.where(host == 0, 0.3 * exits.host_radius[owner], collars.second[host])
     kept, middle = _stack(
-        host, made.middle[owner], made.short[owner], exits.radius[owner], reach, low, curves.length[host]
+        host, made.middle[owner], made.short[owner], exits.radius[owner], reach, low, collars.tip[host]
     )
     made = replace(made, middle=made.middle.copy())
     made.middle[owner[kept]] = middle
@@ -100,7 +104,9 @@ def place_units(
     on = curves.host[rows]
     base = np.where(on == 0, 0.3 * exits.host_radius[rows], collars.second[on])
     start = np.maximum(made.middle[rows] - before, base)
-    end = np.minimum(made.middle[rows] + after, np.maximum(curves.length[on], start + made.short[rows]))
+    end = np.minimum(made.middle[rows] + after, collars.tip[on])
+    # Close to the tip the boundary before it is the last.
+    end = np.where(collars.tip[on] - end < 0.2 * made.short[rows], collars.tip[on], end)
     # Boundaries that all but touch are one, as are one and the ring by which its host begins.
     after_unit = np.concatenate(([False], on[1:] == on[:-1]))
     floor = np.where(after_unit, np.roll(end, 1), np.where(on == 0, -np.inf, base))
