@@ -22,8 +22,8 @@ _COLLAR = 0.22  # by how much a branch is thicker where it leaves its parent
 _COLLAR_REACH = 0.9  # of the branch's radius, over which that fades
 _FLARE_REACH = 1.3  # of the trunk's radius, over which the root flare fades
 _STOUT = 0.004  # of the extent: the radius from which a branch must be twice as true to its shape as a twig
-_BLADE = 0.15  # of the tolerance: thinner twigs have no thickness
-_FLAT = 0.01  # of the extent: less of a tolerance finer than this
+_BLADE = 0.2  # of the tolerance: thinner twigs have no thickness
+_FLAT = 0.007  # of the extent: less of a tolerance finer than this
 _FADING = (0.0, 0.5, 1.2, 2.6)  # where rings follow a fading, in units of its reach
 
 

@@ -22,13 +22,14 @@ from flowtree.model.tree import TreeModel
 from flowtree.params import MeshingParams
 
 _MOST_LEVELS = 4
-_NEXT = 2  # times fewer triangles in level 1 than in level 0
+_NEXT = 0.6  # of level 0's triangles, in level 1
 _FAR, _FAR_SHARE = 4000, 15  # level 2: triangles at most, and how many times fewer than in level 0
 _FARTHEST = 4  # times fewer in level 3 than in level 2
 _LEAST = 64  # triangles, which may become fewer no more
 _COARSEST = {"sides": 3, "tolerance": 0.2}  # of meshing, for a trunk that is too fine for its budget
 _NEAR_ENOUGH = 0.94  # of the wood's triangles: more than this are used where there are branches left
-_TRIES = 8
+_TRIES, _SETTLED = 8, 1
+_REFINED, _ROOMY = 2, 1.1
 _MOST_SHARE = 1.6
 
 _Wood = tuple[Skeleton, NDArray[np.int32], TreeMesh]
@@ -45,7 +46,7 @@ def build_levels(
 ) -> tuple[TreeModel, ...]:
     """Makes levels of detail from the tree's skeleton and leaves, the finest first.
 
-    Level 0 has ``max_triangles`` at most, and is the tree itself where that fits; level 1 has half of them,
+    Level 0 has ``max_triangles`` at most, and is the tree itself where that fits; level 1 has 60 % of them,
     level 2 a fifteenth and 4,000 at most, level 3 a quarter of that; none need have less than 64. The wood is
     swept anew, with fewer sides and rings and, where that is not enough, fewer and thicker twigs (see
     `thin_skeleton`); there are fewer and larger leaves (see `thin_leaves`) of fewer triangles (see
@@ -71,7 +72,7 @@ def build_levels(
     finest = min(max_triangles, whole) if max_triangles else whole
     far = min(_FAR, finest // _FAR_SHARE)
     least = min(_LEAST, finest)
-    budgets = [max(most, least) for most in (finest, finest // _NEXT, far, far // _FARTHEST)[:count]]
+    budgets = [max(most, least) for most in (finest, int(_NEXT * finest), far, far // _FARTHEST)[:count]]
     if count == 1 and whole <= finest:
         return (tree,)
     rank = rank_branches(tree.skeleton, seed=seed)
@@ -159,24 +160,34 @@ def _fit_wood(
     whole, count = _surface(tree.wood), len(rank.fork)
     best = build(count)
     if len(best[2].triangles) <= budget:
-        again = build(count)
-        return again if len(again[2].triangles) <= budget else best
-    high = (count, len(best[2].triangles))
+        for _ in range(_REFINED):
+            room = budget / len(best[2].triangles)
+            if room > _ROOMY:  # triangles grow with about the inverse root of the tolerance
+                params = params.model_copy(update={"tolerance": params.tolerance / room})
+            again = build(count)
+            if len(again[2].triangles) > budget:
+                break
+            best = again
+        return best
+    high, first = (count, len(best[2].triangles)), share
     best = build(1)
     low = (1, len(best[2].triangles))
     if low[1] > budget:
         params = params.model_copy(update=_COARSEST)
         return build(1)
-    share = 1.0
+    share = first
     aim = 0.5 * (1.0 + _NEAR_ENOUGH) * budget
-    for _ in range(_TRIES):
+    for step in range(_TRIES):
         if low[1] >= _NEAR_ENOUGH * budget or high[0] - low[0] < 2:
             break
         # Triangles grow with a power of the branches.
         rise = np.log(aim / low[1]) / np.log(high[1] / low[1])
         between = low[0] * (high[0] / low[0]) ** np.clip(rise, 0.1, 0.9)
         count = int(np.clip(round(between), low[0] + 1, high[0] - 1))
+        before = share
         made = build(count)
+        if step >= _SETTLED:  # thicker branches need more triangles: the search would never end
+            share = before
         triangles = len(made[2].triangles)
         if triangles <= budget:
             best, low = made, (count, triangles)
