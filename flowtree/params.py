@@ -257,6 +257,7 @@ class TwigParams(StageParams):
     divergence: float = _number(
         137.5, "angle around the branch from twig to twig; 90 and 180 occur too", ge=0, le=360, unit="degrees"
     )
+    whorl: int = _number(1, "twigs at one place of the branch: 1 alternate, 2 opposite", ge=1, le=12)
     angle: float = _number(38.0, "angle between branch and twig", ge=0, le=120, unit="degrees")
     plagiotropism: float = _number(0.1, "how far twigs bend toward the horizontal", ge=0, le=1)
     rigidity: float = _number(0.92, "1 stands stiff, 0 hangs", ge=0, le=1)
@@ -326,6 +327,7 @@ class LeafParams(StageParams):
     divergence: float = _number(
         137.5, "angle around the twig from leaf to leaf; 90 and 180 occur too", ge=0, le=360, unit="degrees"
     )
+    whorl: int = _number(1, "leaves at one place of the twig: 1 alternate, 2 opposite", ge=1, le=12)
     angle: float = _number(55.0, "angle between twig and leaf", ge=0, le=120, unit="degrees")
     plagiotropism: float = _number(0.55, "how strictly leaves turn their upper side to the sky", ge=0, le=1)
     hang: float = _number(0.25, "how far leaves hang", ge=0, le=3)

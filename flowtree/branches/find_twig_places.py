@@ -14,6 +14,7 @@ from flowtree.geometry.frames import side_axes, unit
 from flowtree.geometry.parent_array import parents_first, sum_before
 from flowtree.geometry.place_chance import place_chance
 from flowtree.geometry.place_code import place_code
+from flowtree.geometry.whorl_turns import whorl_turns
 from flowtree.model.skeleton import Skeleton
 from flowtree.params import TwigParams
 
@@ -68,14 +69,15 @@ def find_twig_places(
         frequency: of the places [1/m].
         length: mean, of a twig [m].
         height: of the tree [m].
-        params: divergence, angle, plagiotropism, rigidity, radius.
+        params: divergence, whorl, angle, plagiotropism, rigidity, radius.
         seed: of the bends.
     """
     parent = skeleton.parent
     segment = skeleton.points.astype(np.float64) - skeleton.points[np.maximum(parent, 0)]
     codes = place_code(skeleton.points, height)
     wanted = np.linalg.norm(segment, axis=1) * frequency * bears
-    count = np.floor(wanted + place_chance(codes, seed, _COUNT)).astype(np.int64)
+    whorls = np.floor(wanted / params.whorl + place_chance(codes, seed, _COUNT)).astype(np.int64)
+    count = params.whorl * whorls
     before = sum_before(parent, count)  # the spiral goes on over the nodes
     node = np.repeat(np.arange(len(parent)), count)
     index = np.arange(len(node)) - np.repeat(np.cumsum(count) - count, count)
@@ -87,7 +89,7 @@ def find_twig_places(
     axis = unit(segment[node])
     first, second = side_axes(axis)
     jitter = 12.0 * ndtri(between(1e-9, 1.0 - 1e-9, _TURN))
-    turn = np.radians((index + before[node]) * params.divergence + jitter)[:, None]
+    turn = np.radians(whorl_turns(index + before[node], params.whorl, params.divergence) + jitter)[:, None]
     lean = np.radians(params.angle * between(0.7, 1.2, _LEAN))[:, None]
     along = np.cos(lean) * axis + np.sin(lean) * (np.cos(turn) * first + np.sin(turn) * second)
     level = unit(along * np.array([1.0, 1.0 - params.plagiotropism, 1.0]))

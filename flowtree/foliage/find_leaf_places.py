@@ -12,6 +12,7 @@ from flowtree.geometry.frames import quaternions, side_axes, unit
 from flowtree.geometry.parent_array import sum_before
 from flowtree.geometry.place_chance import place_chance
 from flowtree.geometry.place_code import place_code
+from flowtree.geometry.whorl_turns import whorl_turns
 from flowtree.model.skeleton import Skeleton
 from flowtree.params import LeafParams
 
@@ -75,14 +76,15 @@ def find_leaf_places(
         rate: of the places along what bears leaves [1/m].
         length: mean, of a leaf [m].
         height: of the tree [m].
-        params: divergence, angle, plagiotropism, hang.
+        params: divergence, whorl, angle, plagiotropism, hang.
         seed: of all that is random.
     """
     parent = skeleton.parent
     segment = skeleton.points.astype(np.float64) - skeleton.points[np.maximum(parent, 0)]
     way = bearing_way(skeleton, params)
     codes = place_code(skeleton.points, height)
-    count = np.floor(way * rate + place_chance(codes, seed, _COUNT)).astype(np.int64) * (way > 0)
+    whorls = np.floor(way * rate / params.whorl + place_chance(codes, seed, _COUNT)).astype(np.int64)
+    count = params.whorl * whorls * (way > 0)
     before = sum_before(parent, count)
     node = np.repeat(np.arange(len(parent)), count)
     index = np.arange(len(node)) - np.repeat(np.cumsum(count) - count, count)
@@ -94,11 +96,15 @@ def find_leaf_places(
     def normal(stream: int) -> NDArray[np.float64]:
         return np.asarray(ndtri(between(1e-9, 1.0 - 1e-9, stream)))
 
-    share = (index + between(0.0, 1.0, _WAY)) / np.maximum(count[node], 1)
+    # All leaves of a whorl stand where its first one does.
+    step = index // params.whorl
+    along_step = place_chance(code, seed, (1 + step * params.whorl) * _STREAMS + _WAY)
+    share = (step + along_step) / np.maximum(count[node] // params.whorl, 1)
     position = skeleton.points[node] - segment[node] * (1.0 - share[:, None])
     axis = unit(segment[node])
     first, second = side_axes(axis)
-    turn = np.radians((before[node] + index) * params.divergence + 20.0 * normal(_TURN))[:, None]
+    turned = whorl_turns(before[node] + index, params.whorl, params.divergence)
+    turn = np.radians(turned + 20.0 * normal(_TURN))[:, None]
     lean = np.radians(params.angle * between(0.6, 1.3, _LEAN))[:, None]
     along = np.cos(lean) * axis + np.sin(lean) * (np.cos(turn) * first + np.sin(turn) * second)
     bend = 0.15 * np.stack([normal(_BEND + k) for k in range(3)], axis=1)

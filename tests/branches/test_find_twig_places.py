@@ -97,3 +97,12 @@ def test_appended_twigs_keep_parents_first_and_what_was_there():
     assert made.twig.sum() == 3 * len(twigs.node)
     assert np.array_equal(made.points[~made.twig], BRANCH.points)
     assert (made.radius[1:] <= made.radius[made.parent[1:]] * (1 + 1e-6)).all()
+
+
+def test_opposite_twigs_come_in_pairs():
+    twigs = places(frequency=20.0, whorl=2, divergence=90.0)
+    way = directions(BRANCH, twigs)[:, 1:]
+    assert len(way) % 2 == 0
+    assert np.array_equal(twigs.node[::2], twigs.node[1::2])
+    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    assert np.median((way[::2] * way[1::2]).sum(axis=1)) < -0.8

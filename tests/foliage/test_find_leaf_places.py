@@ -52,3 +52,12 @@ def test_hanging_leaves_point_down_and_level_ones_look_up():
     loose, strict = (places(hang=0.2, plagiotropism=p).normal[:, 1].mean() for p in (0.0, 1.0))
     assert strict > 0.5
     assert strict > loose + 0.1
+
+
+def test_opposite_leaves_come_in_pairs_that_face_each_other():
+    made = places(rate=40.0, whorl=2, hang=0.0, plagiotropism=0.5)
+    first, second = made.position[::2], made.position[1::2]
+    assert np.allclose(first, second)
+    across = made.along[:, 1:] / np.linalg.norm(made.along[:, 1:], axis=1, keepdims=True)
+    assert np.median((across[::2] * across[1::2]).sum(axis=1)) < -0.7
+    assert len(made.node) == pytest.approx(40.0 * 4.0, abs=10)
