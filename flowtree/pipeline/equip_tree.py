@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from flowtree.meshing.weld_thin_wood import weld_thin_wood
 from flowtree.model.asset import TreeAsset
 from flowtree.model.tree import TreeModel
 from flowtree.params import Params
 from flowtree.pipeline.build_asset import build_asset
+
+_THIN = 0.001  # of the height: radius up to which nobody sees where the bark's texture begins
 
 
 def equip_tree(
@@ -25,6 +28,8 @@ def equip_tree(
         InputError: a budget too small for the trunk, or a tree that does not know its nodes.
     """
     asset = build_asset(tree, params.asset, seed, meshing=params.meshing, device=device)
+    if params.asset.max_triangles:
+        asset = replace(asset, levels=tuple(_lighter(level) for level in asset.levels))
     if params.wind.sway or params.wind.channels != "none":
         from flowtree.pipeline.build_wind import build_wind  # few ask for it
 
@@ -36,3 +41,8 @@ def equip_tree(
         bodies = bound_tree(tree.skeleton, tree.foliage, capsules=wanted.capsules, hull=wanted.hull)
         asset = replace(asset, collision=bodies)
     return asset
+
+
+def _lighter(level: TreeModel) -> TreeModel:
+    wood = weld_thin_wood(level.wood, level.skeleton, radius=_THIN * level.height)
+    return replace(level, wood=wood)
