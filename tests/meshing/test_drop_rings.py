@@ -70,7 +70,7 @@ def test_more_tolerance_needs_fewer_triangles():
     assert counts[-1] < 0.5 * counts[0]
 
 
-@pytest.mark.parametrize(("radius", "triangles"), [(0.002, 4), (0.0002, 2)])
+@pytest.mark.parametrize(("radius", "triangles"), [(0.01, 4), (0.0002, 2)])
 def test_a_straight_twig_is_a_spike_and_a_thin_one_a_blade(radius, triangles):
     skeleton = random_skeleton(0, 3, stubborn=1.0)
     made = dataclasses.replace(
