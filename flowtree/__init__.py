@@ -15,6 +15,7 @@ _PUBLIC = {
     "FlowTraces": "flowtree.model.traces",
     "FlowtreeError": "flowtree.errors",
     "Foliage": "flowtree.model.foliage",
+    "Growth": "flowtree.pipeline.grow_tree",
     "InputError": "flowtree.errors",
     "Matte": "flowtree.model.matte",
     "Params": "flowtree.params",
@@ -22,14 +23,18 @@ _PUBLIC = {
     "Reconstruction": "flowtree.pipeline.reconstruct",
     "Skeleton": "flowtree.model.skeleton",
     "StageCache": "flowtree.pipeline.cache",
+    "TreeAsset": "flowtree.model.asset",
     "TreeMesh": "flowtree.model.mesh",
     "TreeModel": "flowtree.model.tree",
     "ViewMarks": "flowtree.model.marks",
+    "equip_tree": "flowtree.pipeline.equip_tree",
     "export_skeleton": "flowtree.export.export_skeleton",
     "export_tree": "flowtree.export.export_tree",
+    "grow_tree": "flowtree.pipeline.grow_tree",
     "load_params": "flowtree.configuration",
     "load_project": "flowtree.project.load_project",
     "override_params": "flowtree.configuration",
+    "read_skeleton": "flowtree.export.read_skeleton",
     "reconstruct": "flowtree.pipeline.reconstruct",
     "save_project": "flowtree.project.save_project",
 }
@@ -41,6 +46,8 @@ if TYPE_CHECKING:
     from flowtree.errors import InputError as InputError
     from flowtree.export.export_skeleton import export_skeleton as export_skeleton
     from flowtree.export.export_tree import export_tree as export_tree
+    from flowtree.export.read_skeleton import read_skeleton as read_skeleton
+    from flowtree.model.asset import TreeAsset as TreeAsset
     from flowtree.model.attractor import AttractorGraph as AttractorGraph
     from flowtree.model.camera import Camera as Camera
     from flowtree.model.field import DirectionField as DirectionField
@@ -55,6 +62,9 @@ if TYPE_CHECKING:
     from flowtree.model.volume import DensityVolume as DensityVolume
     from flowtree.params import Params as Params
     from flowtree.pipeline.cache import StageCache as StageCache
+    from flowtree.pipeline.equip_tree import equip_tree as equip_tree
+    from flowtree.pipeline.grow_tree import Growth as Growth
+    from flowtree.pipeline.grow_tree import grow_tree as grow_tree
     from flowtree.pipeline.reconstruct import Reconstruction as Reconstruction
     from flowtree.pipeline.reconstruct import reconstruct as reconstruct
     from flowtree.project.load_project import load_project as load_project
