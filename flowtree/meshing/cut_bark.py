@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -36,14 +34,14 @@ _Light = NDArray[np.float32]
 
 def cut_bark(
     skeleton: Skeleton,
-    mattes: Sequence[Matte],
-    cameras: Sequence[Camera],
-    pictures: Sequence[TrunkPicture | None],
+    matte: Matte,
+    camera: Camera,
+    picture: TrunkPicture,
     *,
     scale: float,
     seed: int = 0,
 ) -> Material | None:
-    """Bark from the photograph's trunk, if one shows it large, clear and sharp enough.
+    """Bark from a photograph's trunk, if it is large, clear and sharp enough there.
 
     The paper textures its branches from photographs; it does not say how. Here the trunk is unrolled
     (`rectify_trunk`), its light and shade are taken out, and a texture that repeats both ways is quilted of
@@ -51,26 +49,20 @@ def cut_bark(
 
     Args:
         skeleton: with radii [m].
-        mattes: one a view.
-        cameras: one a view.
-        pictures: one a view, None where there is none that is finer.
+        matte: of the view.
+        camera: of the view.
+        picture: of the view, as fine as there is.
         scale: length that the texture is to show [m].
         seed: of the quilting.
 
-    Returns: the material; None where no view shows enough.
+    Returns: the material; None where the view does not show enough.
     """
-    strips = [
-        rectify_trunk(skeleton, matte, camera, picture)
-        for matte, camera, picture in zip(mattes, cameras, pictures, strict=True)
-        if picture is not None
-    ]
-    usable = [strip for strip in strips if strip is not None and _is_usable(strip, scale)]
-    if not usable:
+    strip = rectify_trunk(skeleton, matte, camera, picture)
+    if strip is None or not _is_usable(strip, scale):
         return None
-    best = max(usable, key=lambda strip: strip.rgb.shape[1])
-    light = _flatten(LIGHT_OF_BYTE[best.rgb].astype(np.float32))
-    size = int(np.clip(8 * round(scale / best.metres_per_pixel / 8), 64, _LARGEST))
-    shown = size * best.metres_per_pixel / scale
+    light = _flatten(LIGHT_OF_BYTE[strip.rgb].astype(np.float32))
+    size = int(np.clip(8 * round(scale / strip.metres_per_pixel / 8), 64, _LARGEST))
+    shown = size * strip.metres_per_pixel / scale
     if shown < 1.0:  # finer than the texture may be
         light = np.asarray(cv2.resize(light, None, fx=shown, fy=shown, interpolation=cv2.INTER_AREA))
     block = round(_BLOCK * min(light.shape[:2]))

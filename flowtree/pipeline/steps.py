@@ -37,7 +37,6 @@ from flowtree.matting.judge_leafy import judge_leafy
 from flowtree.matting.paint_matte import paint_matte
 from flowtree.meshing.close_seams import close_seams
 from flowtree.meshing.connect_ramifications import connect_ramifications
-from flowtree.meshing.cut_bark import cut_bark
 from flowtree.meshing.light_bark import light_bark
 from flowtree.meshing.load_bark import load_bark
 from flowtree.meshing.measure_bark import measure_bark
@@ -63,7 +62,7 @@ from flowtree.photos.place_views import place_views
 from flowtree.photos.straighten_lines import straighten_lines
 from flowtree.photos.straighten_view import straighten_view
 from flowtree.pipeline.compare_views import check_same_tree
-from flowtree.pipeline.open_trunks import open_trunks
+from flowtree.pipeline.cut_trunk import cut_trunk
 from flowtree.pipeline.photo_steps import Polylines
 from flowtree.pipeline.stage import Job
 from flowtree.render.render_mask import render_mask
@@ -291,10 +290,18 @@ def run_bark(
         return load_bark(picture)
     params, seed = job.params.meshing, job.seed
     if params.bark_style == "auto" and params.bark_color == "auto":
-        trunks = open_trunks(
-            branches, sources, photos, placements, cameras, mirrored, params=job.params.photos
+        cut = cut_trunk(
+            branches,
+            sources,
+            photos,
+            placements,
+            mattes,
+            cameras,
+            mirrored,
+            scale=params.bark_scale,
+            seed=seed,
+            params=job.params.photos,
         )
-        cut = cut_bark(branches, mattes, cameras, trunks, scale=params.bark_scale, seed=seed)
         if cut is not None:
             return cut
     if params.bark_color == "auto":
