@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
+from flowtree import check
+
 if TYPE_CHECKING:
     from flowtree.model.tree import TreeModel
     from flowtree.params import Params
@@ -97,6 +99,21 @@ def _toml(value: object) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
+def check_wanted(output: Path, params: Params) -> None:
+    """Refuses what could not be written in the end, before the work begins.
+
+    Raises:
+        InputError: a kind of file that cannot follow the parameters, or parameters that exclude each other.
+    """
+    from flowtree.export.export_tree import check_export
+
+    check_export(output, params.export)
+    moved = params.wind.sway or params.wind.channels != "none"
+    rule = "cannot carry wind, which moves single vertices"
+    both = params.export.instanced and moved
+    check.require(not both, "instanced leaves", rule, "both", "leave out --instanced or --wind")
+
+
 def write_tree(
     tree: TreeModel, output: Path, *, params: Params, seed: int, progress: Callable[[str, float], None]
 ) -> Written:
@@ -107,6 +124,9 @@ def write_tree(
 
     progress("levels", 1.0)
     asset = equip_tree(tree, params=params, seed=seed)
+    if params.meshing.surface == "quads" and len(asset.levels[0].wood.triangles) < len(tree.wood.triangles):
+        reason = "fewer triangles than the quads' have been asked for, and only rings can be that few"
+        typer.echo(f"note: {reason}; --max-triangles 0 keeps the quads", err=True)
     files = export_tree(asset, output, params=params.export, engine=params.collision.engine)
     sizes = {file.name: file.stat().st_size for file in files}
     return Written(files, {**asset_figures(asset), "files": sizes})

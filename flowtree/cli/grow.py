@@ -81,6 +81,7 @@ def grow(
         )
         settings = [*(assignments or []), *([] if leaves else ["leaves.bear=never"]), *given]
         chosen = override_params(Params() if params is None else load_params(params), settings)
+        wanted.check_wanted(output, chosen)
         progress("reading", 0.0)
         drawn = read_skeleton(skeleton)
         axis: Literal["y", "z"] = up  # type: ignore[assignment]  # checked where it is used

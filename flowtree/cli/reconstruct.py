@@ -126,6 +126,7 @@ def reconstruct(
         )
         settings = [*(assignments or []), *given]
         work = _gather(photos or [], project, yaw, height, seed, params, settings, files)
+        wanted.check_wanted(output, work.params)
         result = reconstruct_project(work, progress=progress)
         if photos and project is not None:
             save_project(work, project)

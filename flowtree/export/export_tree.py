@@ -9,7 +9,7 @@ from flowtree import check
 from flowtree.export.write_glb import write_glb
 from flowtree.export.write_obj import write_obj
 from flowtree.export.write_ply import write_ply
-from flowtree.export.write_usd import USD_ENDINGS, write_usd
+from flowtree.export.write_usd import USD_ENDINGS, import_usd, write_usd
 from flowtree.model.asset import TreeAsset
 from flowtree.model.tree import TreeModel
 from flowtree.params import ExportParams
@@ -41,12 +41,8 @@ def export_tree(
         InputError: another ending, a broken tree, or a parameter that this kind of file cannot follow.
         OutputError: a file could not be written; what stood there is untouched.
     """
+    check_export(path, params)
     ending = path.suffix.lower()
-    rule = f"must end in {', '.join(TREE_ENDINGS)}"
-    check.require(ending in TREE_ENDINGS, f"tree {path.name}", rule, ending or "no ending", "rename it")
-    for name in ("quantise", "instanced"):
-        able = ending == ".glb" or not getattr(params, name)
-        check.require(able, name, "needs a .glb file", ending, "name such a file, or leave it out")
     asset = tree if isinstance(tree, TreeAsset) else TreeAsset((tree,))
     written = []
     for suffix, part in _parts(asset) if params.separate_levels else [("", asset)]:
@@ -61,6 +57,22 @@ def export_tree(
             continue
         written.append(file)
     return tuple(written)
+
+
+def check_export(path: Path, params: ExportParams) -> None:
+    """Refuses a file that could not be written in the end, before the work for it begins.
+
+    Raises:
+        InputError: another ending, a parameter that this kind of file cannot follow, or no usd-core for USD.
+    """
+    ending = path.suffix.lower()
+    rule = f"must end in {', '.join(TREE_ENDINGS)}"
+    check.require(ending in TREE_ENDINGS, f"tree {path.name}", rule, ending or "no ending", "rename it")
+    for name in ("quantise", "instanced"):
+        able = ending == ".glb" or not getattr(params, name)
+        check.require(able, name, "needs a .glb file", ending, "name such a file, or leave it out")
+    if ending in USD_ENDINGS:
+        import_usd()
 
 
 def _parts(asset: TreeAsset) -> Iterator[tuple[str, TreeAsset]]:

@@ -56,8 +56,12 @@ def write_usd(tree: TreeModel | TreeAsset, path: Path) -> None:
         write_all_whole(contents)
 
 
-def _import_usd() -> Any:
-    """The modules of usd-core: loaded when a file is written, because few people have them."""
+def import_usd() -> Any:
+    """The modules of usd-core: loaded when a file is written, because few people have them.
+
+    Raises:
+        InputError: it is not installed.
+    """
     try:
         from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdShade, UsdUtils, Vt
     except ImportError:
@@ -69,7 +73,7 @@ class _Stage:
     """A stage while it grows, and the pictures beside it."""
 
     def __init__(self, asset: TreeAsset, stem: str, folder: Path) -> None:
-        self._gf, kind, self._sdf, usd, self._geom, self._shade, self._utils, self._vt = _import_usd()
+        self._gf, kind, self._sdf, usd, self._geom, self._shade, self._utils, self._vt = import_usd()
         self._stem = stem
         self._pictures: dict[str, bytes] = {}
         self._bound: dict[str, Any] = {}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 
 import pytest
 
@@ -67,6 +68,26 @@ def test_levels_in_files_of_their_own(flowtree, tmp_path, skeleton):
     assert done.code == 0, done.err
     assert sorted(path.name for path in tmp_path.glob("*.glb")) == ["oak_LOD0.glb", "oak_LOD1.glb"]
     assert done.out.startswith("oak_LOD0.glb, oak_LOD1.glb: ")
+
+
+def test_quads_that_are_too_many_are_said(flowtree, tmp_path, skeleton):
+    quads = ("--no-leaves", "--set", "meshing.surface=quads", *SMALL)
+    few = flowtree("grow", skeleton, *quads, "--max-triangles", 2000)
+    assert few.code == 0, few.err
+    assert "--max-triangles 0 keeps the quads" in few.err
+    whole = flowtree("grow", skeleton, *quads, "--max-triangles", 0)
+    assert "note" not in whole.err
+    assert inspect_file(tmp_path / "tree.glb")["watertight"]
+
+
+def test_usd_without_usd_core_is_refused_before_the_work(flowtree, skeleton, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pxr", None)
+    done = flowtree("grow", skeleton, "-o", "tree.usdc", *SMALL)
+    assert done.code == 1
+    assert (
+        done.err
+        == "flowtree: USD: needs the package usd-core, but got none; run: pip install 'flowtree-3d[usd]'\n"
+    )
 
 
 def test_wood_alone_and_what_was_repaired(flowtree, tmp_path):
