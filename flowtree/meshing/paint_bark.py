@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import gaussian_filter
 
 from flowtree import check
 from flowtree.geometry.srgb import decode_srgb, encode_srgb_bytes
@@ -24,6 +25,7 @@ _HABITS: dict[str, tuple[BarkPattern, float]] = {  # with the roughness of the s
     "plated": (plated, 0.9),
     "ringed": (ringed, 0.9),
 }
+_FINEST = 1.0 / 512  # of the tile: finer relief only flickers, and makes files large
 _PLAIN = np.array([112.0, 98.0, 82.0])  # sRGB, grey brown
 _USUAL = {
     "furrowed": _PLAIN,
@@ -80,7 +82,7 @@ def paint_bark(
     return Material(
         name=f"bark_{habit}",
         base_color=_colored(relative, srgb),
-        normal=relief_map(_RELIEF * height),
+        normal=relief_map(_RELIEF * gaussian_filter(height, _FINEST * size, mode="wrap")),
         roughness=roughness,
     )
 
