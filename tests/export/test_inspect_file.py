@@ -21,6 +21,7 @@ from flowtree.export.inspect_file import inspect_file
 from flowtree.export.read_glb import read_glb
 from flowtree.export.write_glb import encode_glb
 from flowtree.model.tree import TreeModel
+from tests.assets import equipped, meshed_tree
 from tests.trees import (
     bare_tree,
     hand_made_skeleton,
@@ -192,10 +193,17 @@ def places(value: Any, way: tuple = ()) -> list[tuple]:
     return found
 
 
+WHOLE = [
+    encode_glb(hand_made_tree(3)),
+    encode_glb(equipped(), quantise=True),
+    encode_glb(meshed_tree(3), instanced=True),
+]
+
+
 @quick
 @given(data=st.data())
 def test_any_damage_to_the_document_is_read_or_refused(tmp_path: Path, data: st.DataObject) -> None:
-    whole = encode_glb(hand_made_tree(3))
+    whole = data.draw(st.sampled_from(WHOLE))
     (length,) = struct.unpack_from("<I", whole, 12)
     document, buffer = json.loads(whole[20 : 20 + length]), whole[28 + length :]
     for _ in range(data.draw(st.integers(1, 3))):
@@ -219,7 +227,7 @@ def test_any_damage_to_the_document_is_read_or_refused(tmp_path: Path, data: st.
 @quick
 @given(data=st.data())
 def test_any_damage_to_the_bytes_is_read_or_refused(tmp_path: Path, data: st.DataObject) -> None:
-    content = bytearray(encode_glb(hand_made_tree(3)))
+    content = bytearray(data.draw(st.sampled_from(WHOLE)))
     for _ in range(data.draw(st.integers(1, 30))):
         content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
     path = tmp_path / "tree.glb"
