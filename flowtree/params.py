@@ -346,6 +346,8 @@ class AssetParams(StageParams):
         60_000, "triangles of the finest level; 0 leaves the tree as it is", ge=0, le=100_000_000
     )
     levels: int = _number(1, "levels of detail in the file, the finest among them", ge=1, le=4)
+    texture_size: int = _number(2048, "longer side of a texture at most", ge=16, le=8192, unit="px")
+    atlas: bool = _choice(False, "whether bark and leaf share one texture")
     impostor: Literal["none", "crossed", "octahedral"] = _choice(
         "none", "cards for far away: three that cross, or one with pictures from all around"
     )

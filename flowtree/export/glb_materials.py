@@ -36,7 +36,7 @@ class GlbMaterials:
         """A material whose colour is multiplied by the factor (3,), linear; returns its index."""
         masked = material.alpha_cutoff is not None
         # A cut-out picture is used once, edge to edge: repeating it would let the far edge shine through.
-        wrap = _CLAMP if masked else _REPEAT
+        wrap = _CLAMP if masked and not material.repeats else _REPEAT
         surface = {
             "baseColorTexture": {"index": self._texture(material.base_color, material.name, wrap, masked)},
             "baseColorFactor": [*factor.tolist(), 1.0],

@@ -20,6 +20,7 @@ class Material:
         double_sided: whether both sides are seen.
         alpha_cutoff: below this alpha the surface is not there; None is opaque.
         translucency: 0..1, how much of the light that a thin leaf does not mirror shines through it.
+        repeats: whether the texture goes on beyond its edges even where alpha is tested; an opaque one does.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Material:
     double_sided: bool = False
     alpha_cutoff: float | None = None
     translucency: float = 0.0
+    repeats: bool = False
 
 
 @dataclass(frozen=True)

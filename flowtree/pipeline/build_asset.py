@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from flowtree.levels.limit_textures import limit_textures
+from flowtree.levels.pack_atlas import pack_atlas
 from flowtree.model.asset import Card, TreeAsset
 from flowtree.model.tree import TreeModel
 from flowtree.params import AssetParams, MeshingParams
@@ -21,7 +23,7 @@ def build_asset(
 
     Args:
         tree: with its skeleton.
-        params: how many triangles, levels and cards.
+        params: how many triangles and levels, which textures, which cards.
         seed: of all that is random.
         meshing: how the tree's wood was made.
         device: to run on.
@@ -37,10 +39,11 @@ def build_asset(
         seed=seed,
         device=device,
     )
+    levels = limit_textures(levels, params.texture_size)
     cards: tuple[Card, ...] = ()
     if params.impostor == "crossed":
         cards = (bake_crossed(levels[0], size=params.impostor_size, device=device),)
     elif params.impostor == "octahedral":
         size, frames = params.impostor_size, params.impostor_frames
         cards = (bake_octahedral(levels[0], size=size, frames=frames, device=device),)
-    return TreeAsset(levels=levels, cards=cards)
+    return TreeAsset(levels=pack_atlas(levels) if params.atlas else levels, cards=cards)
