@@ -219,7 +219,9 @@ class _Stage:
     ) -> Any:
         types = self._sdf.ValueTypeNames
         data, media = encode_texture(pixels, lossy=not masked)
-        file = f"{self._stem}_{material.GetPrim().GetName()}_{name}.{_ENDINGS[media]}"
+        # Levels share their pictures.
+        known = (file for file, other in self._pictures.items() if other == data)
+        file = next(known, f"{self._stem}_{material.GetPrim().GetName()}_{name}.{_ENDINGS[media]}")
         self._pictures[file] = data
         texture = self._shader(material, name, "UsdUVTexture")
         texture.CreateInput("file", types.Asset).Set(self._sdf.AssetPath(f"./{file}"))

@@ -98,6 +98,8 @@ def test_levels_and_cards_are_variants(pxr, tmp_path):
         levels.SetVariantSelection(f"LOD{k}")
         instancer = geom.PointInstancer(root.GetChild("leaves"))
         assert instancer.GetInstanceCount() == len(level.foliage.position)
+    # Three levels of one bark, whose leaves differ in their mean colour, and a card.
+    assert len(list(tmp_path.glob("*_normal.jpg"))) == 1
     levels.SetVariantSelection("LOD3")
     assert not root.GetChild("wood")
     assert root.GetChild("card")
