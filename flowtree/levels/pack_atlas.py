@@ -12,6 +12,7 @@ from flowtree.model.mesh import Material, TreeMesh
 from flowtree.model.tree import TreeModel
 
 _GUTTER = 8  # pixels around the leaf: halved three times, it still does not touch its neighbours
+_WIDE = 0.7  # repeats: so wide are the hidden floors of branches alone
 _JUST = 1e-4  # of a repeat: u that is a whole number up to rounding
 _FLAT = (128, 128, 255)
 
@@ -86,11 +87,10 @@ def _shifts(wood: TreeMesh) -> NDArray[np.int64]:
 
 
 def _reach(wood: TreeMesh) -> float:
-    """How far u goes from 0 on when every triangle is moved there [repeats]."""
-    if not len(wood.triangles):
-        return 1.0
-    largest = wood.uvs[wood.triangles][:, :, 0].max(axis=1) - _shifts(wood)
-    return float(max(largest.max(), 1.0))
+    """How far u goes from 0 on when every triangle is moved there [repeats], but for the widest ones."""
+    u = wood.uvs[wood.triangles][:, :, 0]
+    largest = (u.max(axis=1) - _shifts(wood))[np.ptp(u, axis=1) < _WIDE]
+    return float(max(largest.max(initial=1.0), 1.0))
 
 
 def _move_wood(wood: TreeMesh, layout: _Layout) -> TreeMesh:
@@ -100,7 +100,7 @@ def _move_wood(wood: TreeMesh, layout: _Layout) -> TreeMesh:
     span = int(shift.max(initial=0)) - least + 1
     key, place = np.unique(vertex * span + shift - least, return_inverse=True)
     source, moved = key // span, key % span + least
-    # What the strip does not hold, such as the hidden floor of a thick branch, ends at its edge.
+    # What the strip does not hold, of hidden floors, ends at its edge.
     u = np.clip((wood.uvs[source, 0] - moved) * layout.tile[1], 0.0, layout.strip) / layout.width
     v = wood.uvs[source, 1] * (layout.tile[0] / layout.height)
     return TreeMesh(
