@@ -1,4 +1,4 @@
-"""Catmull-Clark subdivision of closed surfaces of quads."""
+"""Catmull-Clark subdivision of surfaces of quads."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ Ints = NDArray[np.int64]
 
 
 def subdivide_quads(positions: Floats, quads: NDArray[np.integer[Any]]) -> tuple[Floats, Ints, Ints]:
-    """One step of Catmull and Clark's scheme (1978), where every edge belongs to two quads.
+    """One step of Catmull and Clark's scheme (1978); a rim, where there is one, as a cubic B-spline.
 
     Args:
-        positions: (n, 3).
-        quads: (m, 4).
+        positions: (n, d).
+        quads: (m, 4); every edge belongs to one or two.
 
     Returns:
-        positions: (n + e + m, 3): the moved vertices, one new vertex an edge, one a quad.
+        positions: (n + e + m, d): the moved vertices, one new vertex an edge, one a quad.
         quads: (4 m, 4): quad f becomes rows 4 f to 4 f + 3; row 4 f + k is corner k, the vertex on the edge
             that leaves it, the quad's own vertex, and the vertex on the edge that arrives.
         edges: (e, 2) the ends of the edges, in the order of their vertices.
@@ -28,25 +28,29 @@ def subdivide_quads(positions: Floats, quads: NDArray[np.integer[Any]]) -> tuple
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     key = np.minimum(start, end) * count + np.maximum(start, end)
     order = np.argsort(key, kind="stable")
-    # Every edge is passed twice: in the sorted list its two quads lie side by side.
-    edges = np.stack(np.divmod(key[order[::2]], count), axis=1)
+    # In the sorted list the quads of an edge lie side by side.
+    fresh = np.concatenate(([True], np.diff(key[order]) != 0))[: len(key)]
+    first = np.flatnonzero(fresh)
+    last = np.append(first[1:], len(key))[: len(first)] - 1
+    edges = np.stack(np.divmod(key[order[first]], count), axis=1)
     edge_of = np.empty(len(key), np.int64)
-    edge_of[order] = np.arange(len(key)) // 2
+    edge_of[order] = np.cumsum(fresh) - 1
 
-    corner = positions[faces]
-    center = 0.25 * corner.sum(axis=1)
-    either = order.reshape(-1, 2) // 4
+    center = 0.25 * positions[faces].sum(axis=1)
     middle = 0.5 * (positions[edges[:, 0]] + positions[edges[:, 1]])
-    on_edge = 0.5 * middle + 0.25 * (center[either[:, 0]] + center[either[:, 1]])
+    rim = first == last
+    on_edge = 0.5 * middle + 0.25 * (center[order[first] // 4] + center[order[last] // 4])
+    on_edge[rim] = middle[rim]
 
     # Around a vertex of valence v: its quads' centres and its edges' middles weigh 1 / v each, (v - 2) / v is
     # its own. Summed over quads: the next corner's half edge stands for each edge once.
     valence = np.bincount(start, minlength=count).astype(np.float64)
-    across = positions[end]
-    around = np.repeat(center, 4, axis=0) + across
-    total = np.stack([np.bincount(start, around[:, k], count) for k in range(3)], axis=1)
+    around = np.repeat(center, 4, axis=0) + positions[end]
+    total = np.stack([np.bincount(start, column, count) for column in around.T], axis=1)
     share = 1.0 / np.maximum(valence, 1.0)[:, None]
     moved = total * share**2 + positions * (1.0 - 2.0 * share)
+    if rim.any():
+        moved = _along_rims(positions, edges[rim], moved)
 
     face = np.arange(len(faces)) + count + len(edges)
     after = edge_of.reshape(-1, 4) + count
@@ -55,9 +59,44 @@ def subdivide_quads(positions: Floats, quads: NDArray[np.integer[Any]]) -> tuple
     return np.concatenate([moved, on_edge, center]), rows.reshape(-1, 4), edges
 
 
-def subdivide_corners(values: NDArray[Any]) -> NDArray[Any]:
-    """Values at the quads' corners (m, 4, ...) for the quads that they become (4 m, 4, ...), bilinear."""
-    after = 0.5 * (values + np.roll(values, -1, axis=1))
-    center = np.repeat(values.mean(axis=1, keepdims=True), 4, axis=1)
-    parts = np.stack([values, after, center, np.roll(after, 1, axis=1)], axis=2)
-    return parts.reshape(-1, *values.shape[1:])
+def _along_rims(positions: Floats, rim: Ints, moved: Floats) -> Floats:
+    """The moved vertices (n, d), those on rims (r, 2) placed by the rim alone; where rims meet they stay."""
+    here, there = rim.ravel(), rim[:, ::-1].ravel()
+    number = np.bincount(here, minlength=len(positions))
+    beside = np.stack([np.bincount(here, column, len(positions)) for column in positions[there].T], axis=1)
+    on_rim = np.where((number == 2)[:, None], 0.75 * positions + 0.125 * beside, positions)
+    return np.where((number > 0)[:, None], on_rim, moved)
+
+
+def subdivide_corners(quads: NDArray[np.integer[Any]], values: NDArray[Any]) -> Floats:
+    """Values at the quads' corners (m, 4, d) for the quads that they become (4 m, 4, d).
+
+    They are smoothed as positions are, with rims where values differ across an edge: so a texture follows
+    where subdivision moves a surface.
+    """
+    place, corner = split_corners(quads, values)
+    flat = np.empty((len(place), values.shape[2]))
+    flat[corner] = values
+    finer, rows, _ = subdivide_quads(flat, corner)
+    return np.asarray(finer[rows], np.float64)
+
+
+def split_corners(quads: NDArray[np.integer[Any]], values: NDArray[Any]) -> tuple[Ints, Ints]:
+    """Vertices that have one value each: the vertex (k,) that each comes from, and the corners' (m, 4).
+
+    Args:
+        quads: (m, 4).
+        values: (m, 4, d) of the corners; those that share a vertex and are equal to the last bit are one.
+    """
+    flat, rows = quads.ravel().astype(np.int64), values.reshape(-1, values.shape[2])
+    count = int(flat.max()) + 1
+    # One corner stands for its vertex; only the few that differ from it, at seams, need sorting.
+    example = np.zeros(count, np.int64)
+    example[flat[::-1]] = np.arange(len(flat))[::-1]
+    differs = np.flatnonzero((rows != rows[example[flat]]).any(axis=1))
+    order = differs[np.lexsort((*rows[differs].T, flat[differs]))]
+    other = (flat[order][1:] != flat[order][:-1]) | (rows[order][1:] != rows[order][:-1]).any(axis=1)
+    fresh = np.concatenate(([True], other))[: len(order)]
+    corner = flat.copy()
+    corner[order] = count + np.cumsum(fresh) - 1
+    return np.concatenate([np.arange(count), flat[order[fresh]]]), corner.reshape(-1, 4)

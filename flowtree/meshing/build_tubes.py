@@ -196,12 +196,11 @@ def build_tubes(
     near, far = vertex[low][:, None], vertex[low + 1][:, None]
     after = (side + 1) % 4
     wall = np.stack([near + side, near + after, far + after, far + side], axis=2).reshape(-1, 4)
-    turns = corners.repeats[low + 1][:, None] / 4.0
-    u = corners.start[low][:, :1] + turns * side
-    v, v_next = corners.start[low, 1][:, None], corners.start[low + 1, 1][:, None]
-    v, v_next = np.broadcast_to(v, u.shape), np.broadcast_to(v_next, u.shape)
-    left, right = np.stack([u, v], 2), np.stack([u + turns, v], 2)
-    uvs = np.stack([left, right, np.stack([u + turns, v_next], 2), np.stack([u, v_next], 2)], axis=2)
+    u = corners.start[low][:, :1] + corners.repeats[low + 1][:, None] / 4.0 * np.arange(5)
+    v, v_next = (np.broadcast_to(corners.start[row, 1][:, None], (len(low), 4)) for row in (low, low + 1))
+    left, right = u[:, :-1], u[:, 1:]
+    pairs = ((left, v), (right, v), (right, v_next), (left, v_next))
+    uvs = np.stack([np.stack(pair, axis=2) for pair in pairs], axis=2)
     hosting = ~np.isin(low, corners.first)
 
     tip, foot = corners.last[branches], corners.first[branches[capped[branches]]]

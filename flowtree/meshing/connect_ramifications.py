@@ -250,12 +250,13 @@ def _bases(mesh: ControlMesh, branch: Ints) -> Ints:
 def _subdivided(mesh: ControlMesh) -> ControlMesh:
     """After one more step of Catmull and Clark's scheme."""
     positions, quads, edges = subdivide_quads(mesh.positions, mesh.quads)
+    uvs = subdivide_corners(mesh.quads, mesh.uvs)
     node = np.concatenate([mesh.node, mesh.node[edges].max(axis=1), mesh.node[mesh.quads].max(axis=1)])
     return ControlMesh(
         positions,
         node,
         quads,
-        subdivide_corners(mesh.uvs),
+        uvs,
         np.repeat(mesh.branch, 4),
         np.repeat(mesh.kind, 4),
     )
