@@ -48,6 +48,11 @@ Instanced = Annotated[
     bool, typer.Option("--instanced", help="One leaf and its places, not all leaves (GLB).")
 ]
 Quantise = Annotated[bool, typer.Option("--quantise", help="Fewer bits a vertex, a smaller file (GLB).")]
+Atlas = Annotated[bool, typer.Option("--atlas", help="Bark and leaf in one texture.")]
+TextureSize = Annotated[
+    int | None,
+    typer.Option(metavar="PX", help="Longer side of a texture at most.", show_default="2048"),
+]
 Twig = Annotated[
     str | None,
     typer.Option(metavar="FILE", help="A drawn twig, the example for all: .svg, .json or .png."),
@@ -77,6 +82,8 @@ def asset_assignments(
     collision: str | None = None,
     instanced: bool = False,
     quantise: bool = False,
+    atlas: bool = False,
+    texture_size: int | None = None,
     twig: str | None = None,
 ) -> list[str]:
     """The options that were given, as ``NAME=VALUE`` of the parameters they stand for."""
@@ -84,6 +91,8 @@ def asset_assignments(
         "asset.max_triangles": max_triangles,
         "asset.levels": levels,
         "asset.impostor": impostor,
+        "asset.atlas": atlas or None,
+        "asset.texture_size": texture_size,
         "wind.channels": wind,
         "wind.sway": sway or None,
         "collision.engine": collision,

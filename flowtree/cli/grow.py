@@ -47,6 +47,8 @@ def grow(
     collision: wanted.Collision = None,
     instanced: wanted.Instanced = False,
     quantise: wanted.Quantise = False,
+    atlas: wanted.Atlas = False,
+    texture_size: wanted.TextureSize = None,
     twig: wanted.Twig = None,
 ) -> None:
     """Give a skeleton wood, twigs and leaves; radii too, where it has none.
@@ -77,6 +79,8 @@ def grow(
             collision=collision,
             instanced=instanced,
             quantise=quantise,
+            atlas=atlas,
+            texture_size=texture_size,
             twig=twig,
         )
         settings = [*(assignments or []), *([] if leaves else ["leaves.bear=never"]), *given]

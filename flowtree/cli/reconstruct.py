@@ -85,6 +85,8 @@ def reconstruct(
     collision: wanted.Collision = None,
     instanced: wanted.Instanced = False,
     quantise: wanted.Quantise = False,
+    atlas: wanted.Atlas = False,
+    texture_size: wanted.TextureSize = None,
     twig: wanted.Twig = None,
 ) -> None:
     """Make a tree from one or more photographs of it.
@@ -122,6 +124,8 @@ def reconstruct(
             collision=collision,
             instanced=instanced,
             quantise=quantise,
+            atlas=atlas,
+            texture_size=texture_size,
             twig=twig,
         )
         settings = [*(assignments or []), *given]

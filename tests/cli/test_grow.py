@@ -70,6 +70,16 @@ def test_levels_in_files_of_their_own(flowtree, tmp_path, skeleton):
     assert done.out.startswith("oak_LOD0.glb, oak_LOD1.glb: ")
 
 
+def test_textures_as_asked_for(flowtree, tmp_path, skeleton):
+    done = flowtree("grow", skeleton, "--atlas", "--texture-size", 128, *SMALL)
+    assert done.code == 0, done.err
+    found = inspect_file(tmp_path / "tree.glb")
+    assert max(max(texture["width"], texture["height"]) for texture in found["textures"]) < 400
+    colors = [texture for texture in found["textures"] if not texture["name"].endswith("_normal")]
+    assert len(colors) == 1, "bark and leaf share one"
+    assert found["warnings"] == []
+
+
 def test_quads_that_are_too_many_are_said(flowtree, tmp_path, skeleton):
     quads = ("--no-leaves", "--set", "meshing.surface=quads", *SMALL)
     few = flowtree("grow", skeleton, *quads, "--max-triangles", 2000)
