@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -11,6 +11,7 @@ import typer
 from flowtree import check
 
 if TYPE_CHECKING:
+    from flowtree.model.asset import TreeAsset
     from flowtree.model.tree import TreeModel
     from flowtree.params import Params
 
@@ -123,16 +124,18 @@ def check_wanted(output: Path, params: Params) -> None:
     check.require(not both, "instanced leaves", rule, "both", "leave out --instanced or --wind")
 
 
-def write_tree(
-    tree: TreeModel, output: Path, *, params: Params, seed: int, progress: Callable[[str, float], None]
-) -> Written:
-    """Gives a tree what the parameters ask for, and writes it."""
+def write_asset(asset: TreeAsset, tree: TreeModel, output: Path, params: Params) -> Written:
+    """Writes a tree as the parameters ask for.
+
+    Args:
+        asset: what is written.
+        tree: the same at full detail.
+        output: the file.
+        params: of which ``export``, ``meshing`` and ``collision`` count.
+    """
     from flowtree.export.export_tree import export_tree
     from flowtree.pipeline.build_report import asset_figures
-    from flowtree.pipeline.equip_tree import equip_tree
 
-    progress("levels", 1.0)
-    asset = equip_tree(tree, params=params, seed=seed)
     if params.meshing.surface == "quads" and len(asset.levels[0].wood.triangles) < len(tree.wood.triangles):
         reason = "fewer triangles than the quads' have been asked for, and only rings can be that few"
         typer.echo(f"note: {reason}; --max-triangles 0 keeps the quads", err=True)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from flowtree.cli.asset_options import write_tree
+from flowtree.cli.asset_options import write_asset
 from flowtree.cli.outputs import check_folder
 from flowtree.cli.progress import show_progress
 from flowtree.cli.reconstruct import draw_preview, print_result
@@ -42,7 +42,7 @@ def demo(
         result = reconstruct(pictures, yaws=(0.0, 90.0), height=_HEIGHT, progress=progress)
         tree, preview, report = (output / name for name in ("tree.glb", "preview.png", "report.json"))
         params = Params()
-        written = write_tree(result.tree, tree, params=params, seed=0, progress=progress)
+        written = write_asset(result.asset, result.tree, tree, params)
         write_picture(draw_preview(result, params.render), preview)
         write_whole(report, report_bytes({**result.report, "asset": written.figures}))
     typer.echo(f"Two pictures of a tree, from {' and '.join(str(picture) for picture in pictures)}")

@@ -92,7 +92,7 @@ def grow(
         grown = grow_tree(
             drawn, height=height, up=axis, twigs=twigs, params=chosen, seed=seed, progress=progress
         )
-        written = wanted.write_tree(grown.tree, output, params=chosen, seed=seed, progress=progress)
+        written = wanted.write_asset(grown.asset, grown.tree, output, chosen)
         if report is not None:
             write_whole(report, report_bytes({**grown.report, "asset": written.figures}))
     wanted.print_tree(grown.report, written)

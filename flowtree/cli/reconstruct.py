@@ -134,9 +134,7 @@ def reconstruct(
         result = reconstruct_project(work, progress=progress)
         if photos and project is not None:
             save_project(work, project)
-        written = wanted.write_tree(
-            result.tree, output, params=work.params, seed=work.seed, progress=progress
-        )
+        written = wanted.write_asset(result.asset, result.tree, output, work.params)
         if skeleton is not None:
             export_skeleton(result.skeleton, skeleton)
         if preview is not None:

@@ -17,6 +17,7 @@ from flowtree.foliage.scatter_leaves import scatter_leaves
 from flowtree.geometry.read_color import read_color
 from flowtree.meshing.load_bark import load_bark
 from flowtree.meshing.paint_bark import paint_bark
+from flowtree.model.asset import TreeAsset
 from flowtree.model.attractor import Habit
 from flowtree.model.foliage import Foliage
 from flowtree.model.mesh import Material, TreeMesh
@@ -28,7 +29,7 @@ from flowtree.pipeline.cache import StageCache
 from flowtree.pipeline.photo_steps import run_sketch
 from flowtree.pipeline.run_stages import run_stages
 from flowtree.pipeline.stage import Job, Stage
-from flowtree.pipeline.steps import run_assembly, run_closing, run_meshing
+from flowtree.pipeline.steps import run_assembly, run_closing, run_equipping, run_meshing
 
 _GROWTH: dict[str, Habit] = {"needle": "conifer", "frond": "palm"}  # what leaves tell of the bark
 _LEAF = (0.8, 0.8, 0.8)  # linear; leaves take their own colour from the foliage
@@ -39,11 +40,13 @@ class Growth:
     """A tree and what it was grown from.
 
     Attributes:
-        tree: the result.
+        tree: the result, at full detail.
+        asset: the same made ready for an engine: what the commands write.
         report: what ``report.json`` says.
     """
 
     tree: TreeModel
+    asset: TreeAsset
     report: dict[str, Any]
 
 
@@ -106,7 +109,7 @@ def grow_tree(
         device=chosen,
         warnings=made["notes"],
     )
-    return Growth(made["tree"], report)
+    return Growth(made["tree"], made["asset"], report)
 
 
 def _mend(
@@ -228,6 +231,16 @@ GROWING: tuple[Stage, ...] = (
         inputs=("skeleton", "wood", "bark", "foliage", "height"),
         outputs=("tree",),
         share=0.01,
+    ),
+    Stage(
+        name="equipping",
+        run=run_equipping,
+        inputs=("tree",),
+        outputs=("asset",),
+        params=("meshing", "asset", "wind", "collision"),
+        seeded=True,
+        kernels=("sweep_rings",),
+        share=0.5,
     ),
     Stage(
         name="closing",

@@ -11,6 +11,7 @@ from typing import Any
 
 from flowtree import check
 from flowtree.device import pick_device
+from flowtree.model.asset import TreeAsset
 from flowtree.model.attractor import AttractorGraph
 from flowtree.model.camera import Camera
 from flowtree.model.field import DirectionField
@@ -50,7 +51,8 @@ class Reconstruction:
         fields: the direction field of each view.
         traces: of the particles.
         skeleton: with radii and twigs.
-        tree: the result.
+        tree: the result, at full detail.
+        asset: the same made ready for an engine: what the commands write.
         report: what ``report.json`` says.
     """
 
@@ -63,6 +65,7 @@ class Reconstruction:
     traces: FlowTraces
     skeleton: Skeleton
     tree: TreeModel
+    asset: TreeAsset
     report: dict[str, Any]
 
 
@@ -185,6 +188,7 @@ def reconstruct(
         traces=made["traces"],
         skeleton=made["skeleton"],
         tree=made["tree"],
+        asset=made["asset"],
         report=report,
     )
 

@@ -43,6 +43,7 @@ from flowtree.meshing.measure_bark import measure_bark
 from flowtree.meshing.paint_bark import paint_bark
 from flowtree.meshing.sweep_rings import sweep_rings
 from flowtree.meshing.unwrap_quads import unwrap_quads
+from flowtree.model.asset import TreeAsset
 from flowtree.model.attractor import AttractorGraph, Habit, LimbTree
 from flowtree.model.camera import Camera
 from flowtree.model.edit import PaintedEdit
@@ -63,6 +64,7 @@ from flowtree.photos.straighten_lines import straighten_lines
 from flowtree.photos.straighten_view import straighten_view
 from flowtree.pipeline.compare_views import check_same_tree
 from flowtree.pipeline.cut_trunk import cut_trunk
+from flowtree.pipeline.equip_tree import equip_tree
 from flowtree.pipeline.photo_steps import Polylines
 from flowtree.pipeline.stage import Job
 from flowtree.render.render_mask import render_mask
@@ -362,6 +364,11 @@ def run_assembly(
     """Everything together."""
     del job
     return TreeModel(name="tree", height=heights[0], skeleton=skeleton, wood=wood, bark=bark, foliage=foliage)
+
+
+def run_equipping(job: Job, tree: TreeModel) -> TreeAsset:
+    """The tree made ready for an engine."""
+    return equip_tree(tree, params=job.params, seed=job.seed, device=job.device)
 
 
 def run_closing(job: Job, wood: TreeMesh) -> bool:

@@ -282,6 +282,16 @@ STAGES: tuple[Stage, ...] = (
         share=0.05,
     ),
     Stage(
+        name="equipping",
+        run=_late("run_equipping"),
+        inputs=("tree",),
+        outputs=("asset",),
+        params=("meshing", "asset", "wind", "collision"),
+        seeded=True,
+        kernels=("sweep_rings",),
+        share=0.3,
+    ),
+    Stage(
         name="fidelity",
         run=_late("run_fidelity"),
         inputs=("tree", "mattes", "cameras"),
