@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -25,14 +27,27 @@ def spread_colors(matte: Matte, camera: Camera) -> NDArray[np.float32]:
 
     Args:
         matte: with the foreground's colours.
-        camera: of the view; only its foot is used.
+        camera: of the view; only its foot counts.
 
-    Returns: (h, w, 3) float32 in 0..1, linear.
+    Returns: (h, w, 3) float32 in 0..1, linear; beside the tree's box what is at its edge.
     """
+    rows, columns = (np.flatnonzero((matte.alpha > 0).any(axis=axis)) for axis in (1, 0))
+    if not len(rows):
+        return np.zeros((*matte.alpha.shape, 3), np.float32)
+    top, left, bottom, right = int(rows[0]), int(columns[0]), int(rows[-1]) + 1, int(columns[-1]) + 1
+    box = (slice(top, bottom), slice(left, right))
+    part = replace(matte, alpha=matte.alpha[box], foreground=np.ascontiguousarray(matte.foreground[box]))
+    view = replace(camera, foot=(camera.foot[0] - left, camera.foot[1] - top))
+    made = _spread(part, view, max(_BLUR * len(matte.alpha), 0.5))
+    around = (top, len(matte.alpha) - bottom, left, matte.alpha.shape[1] - right)
+    return np.asarray(cv2.copyMakeBorder(made, *around, cv2.BORDER_REPLICATE), np.float32)
+
+
+def _spread(matte: Matte, camera: Camera, sigma: float) -> NDArray[np.float32]:
+    """The same for the tree's box alone."""
     weight = matte.alpha**_SOLID * (1.02 - bark_likeness(matte, camera)) * _usual_hue(matte) + 1e-5
     light = np.asarray(cv2.LUT(matte.foreground, LIGHT_OF_BYTE.astype(np.float32)), np.float32)
     height, width = weight.shape
-    sigma = max(_BLUR * height, 0.5)
     weights = np.asarray(weight, np.float32)
     sums = cv2.merge([*cv2.split(light * cv2.merge([weights] * 3)), weights])
     # The wide mean is smooth: a picture a quarter as large holds all of it.

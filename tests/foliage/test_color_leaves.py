@@ -93,3 +93,21 @@ def test_any_picture_and_place_gives_a_colour(seed, shape, variation, count):
     assert made.dtype == np.float32
     assert np.isfinite(made).all()
     assert ((made >= 0) & (made <= 1)).all()
+
+
+def test_empty_picture_beside_the_tree_changes_nothing():
+    matte = painted(FRONT, (90, 140, 30))
+    wide = replace(
+        matte,
+        alpha=np.pad(matte.alpha, ((0, 0), (30, 50))),
+        foreground=np.pad(matte.foreground, ((0, 0), (30, 50), (0, 0))),
+    )
+    camera = replace(FRONT, foot=(FRONT.foot[0] + 30, FRONT.foot[1]), width=FRONT.width + 80)
+    own, padded = spread_colors(matte, FRONT), spread_colors(wide, camera)
+    assert padded.shape == (*wide.alpha.shape, 3)
+    assert np.array_equal(padded[:, 30:-50], own)
+
+
+def test_an_empty_picture_has_no_colour():
+    matte = painted(FRONT, (90, 140, 30), alpha=0.0)
+    assert spread_colors(matte, FRONT).shape == (*matte.alpha.shape, 3)
