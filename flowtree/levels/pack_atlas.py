@@ -47,8 +47,8 @@ def pack_atlas(levels: Sequence[TreeModel]) -> tuple[TreeModel, ...]:
     Args:
         levels: of one tree, all of the same materials.
 
-    Returns: the levels with one picture, and one normal map, for wood and leaves; as they are where there is
-        no leaf.
+    Returns: the levels with one picture for wood and leaves, and one normal map for those that have any; as
+        they are where there is no leaf.
     """
     leafy = [level.foliage for level in levels if level.foliage is not None]
     if not leafy:
@@ -62,8 +62,15 @@ def pack_atlas(levels: Sequence[TreeModel]) -> tuple[TreeModel, ...]:
     width = -(-(strip + columns + 2 * _GUTTER) // 4) * 4
     layout = _Layout(width, repeats * tile[0], strip, (tile[0], tile[1]), (rows, columns))
     color, normal = _paint(bark, leaf, layout)
+    # Where the leaf has no relief its half of the map is flat, and its mesh has no tangents to read it by.
     trunk, blade = (
-        replace(each, base_color=color, normal=normal, alpha_cutoff=leaf.alpha_cutoff, repeats=True)
+        replace(
+            each,
+            base_color=color,
+            normal=None if each.normal is None else normal,
+            alpha_cutoff=leaf.alpha_cutoff,
+            repeats=True,
+        )
         for each in (bark, leaf)
     )
     return tuple(

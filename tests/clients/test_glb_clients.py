@@ -11,6 +11,8 @@ import trimesh
 
 from flowtree.export.merge_leaves import merge_leaves
 from flowtree.export.write_glb import write_glb
+from flowtree.levels.pack_atlas import pack_atlas
+from flowtree.model.asset import TreeAsset
 from flowtree.model.mesh import TreeMesh
 from flowtree.model.tree import TreeModel
 from tests.assets import equipped, levelled, meshed_tree
@@ -70,7 +72,8 @@ def test_the_validator_finds_nothing_wrong_with_all_there_is(
     tmp_path: Path, engine: str, quantise: bool
 ) -> None:
     layouts = ("attributes", "colors", engine)
-    assets = {layout: equipped(layout) for layout in layouts} | {"levels": levelled()}
+    packed = TreeAsset(pack_atlas(levelled().levels))
+    assets = {layout: equipped(layout) for layout in layouts} | {"levels": levelled(), "atlas": packed}
     for name, asset in assets.items():
         write_glb(asset, tmp_path / f"{name}.glb", quantise=quantise, engine=engine)
     write_glb(meshed_tree(), tmp_path / "instanced.glb", quantise=quantise, instanced=True)
