@@ -97,6 +97,7 @@ def connect_ramifications(
     made, units = place_units(curves, exits, made, collars, subdivisions=steps)
     targets = _targets(curves, exits, made)
     drift = targets - curves.at(np.arange(len(targets)), exits.begin)[0]
+    drift[0] = 0.0
     rings = lay_rings(curves, exits, made, units, collars, drift)
     corners = place_corners(curves, exits, rings, drift, steps - made.birth, params)
     work = _Work(exits, curves.host, made, units, rings, corners, targets, collars.second, steps)

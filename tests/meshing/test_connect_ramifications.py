@@ -1,5 +1,9 @@
 import dataclasses
+import json
+import time
+from pathlib import Path
 
+import manifold3d
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -11,7 +15,9 @@ from flowtree.meshing.close_seams import close_seams
 from flowtree.meshing.connect_ramifications import connect_ramifications
 from flowtree.meshing.unwrap_quads import unwrap_quads
 from flowtree.params import MeshingParams
-from tests.skeletons import random_skeleton, skeleton_of
+from tests.skeletons import random_skeleton, skeleton_of, skeleton_of_stems
+
+TRUTH = Path(__file__).parents[3] / "shared" / "data" / "truth"
 
 skeletons = st.builds(
     random_skeleton,
@@ -68,10 +74,129 @@ def test_any_skeleton_becomes_one_closed_surface(skeleton, subdivisions, all_add
     assert is_watertight(close_seams(triangles)[1])
 
 
+@pytest.mark.parametrize("name", ["aspen", "birch"])  # the other two take long to join from their stems
+def test_the_wood_of_the_truth_trees_is_one_closed_surface(name):
+    file = TRUTH / name / "truth.json"
+    if not file.exists():
+        pytest.skip(f"the shared test data is missing: {file}")
+    stems = json.loads(file.read_text(encoding="utf-8"))["stems"]
+    mesh = connect_ramifications(skeleton_of_stems(stems), params=MeshingParams(subdivisions=1))
+    assert is_one_closed_surface(mesh)
+    positions, triangles = close_seams(unwrap_quads(mesh))
+    solid = manifold3d.Manifold(
+        manifold3d.Mesh(
+            vert_properties=np.ascontiguousarray(positions),
+            tri_verts=np.ascontiguousarray(triangles, np.uint32),
+        )
+    )
+    assert solid.status() == manifold3d.Error.NoError
+    assert solid.num_tri() == len(triangles)
+    assert solid.genus() == 0
+
+
 @pytest.mark.parametrize("children", range(2, 13))
 def test_furcations_pasted_at_one_node_stay_closed(children):
     assert is_one_closed_surface(connect_ramifications(furcation(children), all_additional=True))
     assert is_one_closed_surface(connect_ramifications(furcation(children)))
+
+
+def bent_branch(nodes=9, bend=0.25, radius=0.1):
+    """A branch without forks that turns a little at each node."""
+    heading, points = 0.0, [np.zeros(3)]
+    for k in range(nodes - 1):
+        points.append(points[-1] + 0.7 * np.array([np.sin(heading), np.cos(heading), 0.0]))
+        heading += bend * (1 if k % 4 < 2 else -1)
+    made = skeleton_of(np.arange(-1, nodes - 1), np.array(points), np.random.default_rng(0))
+    return dataclasses.replace(made, radius=np.linspace(radius, 0.6 * radius, nodes).astype(np.float32))
+
+
+def volume(mesh):
+    a, b, c, d = (mesh.positions[mesh.quads[:, k]].astype(float) for k in range(4))
+    return (np.sum(a * np.cross(b, c)) + np.sum(a * np.cross(c, d))) / 6.0
+
+
+@pytest.mark.parametrize("subdivisions", [1, 2, 3])
+def test_a_branch_is_as_thick_as_its_skeleton(subdivisions):
+    skeleton = bent_branch()
+    mesh = connect_ramifications(skeleton, params=MeshingParams(subdivisions=subdivisions, root_flare=0.0))
+    points, radius = skeleton.points.astype(float), skeleton.radius.astype(float)
+    corner = mesh.positions[mesh.quads].astype(float)
+    place = corner.mean(axis=1)
+    # Away from the flat foot and the dome at the tip.
+    between = (place[:, 1] > 0.5) & (np.linalg.norm(place - points[-1], axis=1) > 0.3)
+    start, way = points[:-1], np.diff(points, axis=0)
+    share = np.sum((place[:, None] - start) * way, axis=2) / np.sum(way**2, axis=1)
+    share = np.clip(share, 0.0, 1.0)
+    off = np.linalg.norm(start + share[..., None] * way - place[:, None], axis=2)
+    row = np.arange(len(place))
+    near = off.argmin(axis=1)
+    wanted = radius[near] + share[row, near] * np.diff(radius)[near]
+    deviation = np.abs(off[row, near] / wanted - 1.0)[between]
+    assert np.median(deviation) < 0.03
+    assert np.quantile(deviation, 0.95) < 0.12
+    cones = np.pi / 3.0 * np.linalg.norm(way, axis=1)
+    expected = np.sum(cones * (radius[:-1] ** 2 + radius[:-1] * radius[1:] + radius[1:] ** 2))
+    assert volume(mesh) == pytest.approx(expected, rel=0.05)
+
+
+def creases(mesh):
+    """Angles [degrees] between quads that share an edge, and the edges' middles [m]."""
+    quads, points = mesh.quads.astype(np.int64), mesh.positions.astype(float)
+    corner = points[quads]
+    normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    start, end = quads.ravel(), np.roll(quads, -1, axis=1).ravel()
+    order = np.argsort(np.minimum(start, end) * len(points) + np.maximum(start, end), kind="stable")
+    one, two = order[::2] // 4, order[1::2] // 4
+    angle = np.degrees(np.arccos(np.clip(np.sum(normal[one] * normal[two], axis=1), -1.0, 1.0)))
+    return angle, 0.5 * (points[start[order[::2]]] + points[end[order[::2]]])
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.5, 0.7, 0.9])
+@pytest.mark.parametrize("angle", [35.0, 55.0, 80.0])
+def test_forks_are_smooth(ratio, angle):
+    tilt = np.radians(angle)
+    out = np.array([np.sin(tilt), np.cos(tilt), 0.2])
+    points = np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 2.0, 0.0], [0.0, 1.0, 0.0] + 1.2 * out])
+    made = skeleton_of(np.array([-1, 0, 1, 1]), points, np.random.default_rng(0))
+    skeleton = dataclasses.replace(made, radius=np.array([0.1, 0.1, 0.099, 0.1 * ratio], np.float32))
+    bend, place = creases(connect_ramifications(skeleton, params=MeshingParams(root_flare=0.0)))
+    tips = np.linalg.norm(place[:, None] - points[2:], axis=2).min(axis=1) < 0.15
+    assert bend[~tips & (place[:, 1] > 0.2)].max() < 60.0  # where tubes meet it would be the fork's angle
+
+
+def test_the_foot_stands_flat_on_the_ground():
+    mesh = connect_ramifications(bent_branch(), params=MeshingParams(root_flare=0.5))
+    assert mesh.positions[:, 1].min() == 0.0
+    foot = mesh.positions[mesh.positions[:, 1] < 0.03]
+    assert np.hypot(foot[:, 0], foot[:, 2]).max() == pytest.approx(0.15, rel=0.1)
+
+
+def test_the_same_skeleton_gives_the_same_bytes():
+    one, two = (connect_ramifications(random_skeleton(6, 300, stubborn=0.6)) for _ in range(2))
+    for field in ("positions", "quads", "node", "uvs"):
+        assert getattr(one, field).tobytes() == getattr(two, field).tobytes()
+
+
+def test_nodes_in_one_place_and_swelling_branches_are_repaired():
+    for seed in range(8):
+        skeleton, rng = random_skeleton(seed, 40, stubborn=0.7), np.random.default_rng(seed)
+        points, radius = skeleton.points.copy(), skeleton.radius.copy()
+        for i in range(1, 40):
+            if rng.random() < 0.4:
+                points[i] = points[skeleton.parent[i]]
+            radius[i] *= rng.choice([0.0, 1.0, 30.0])
+        mesh = connect_ramifications(dataclasses.replace(skeleton, points=points, radius=radius))
+        assert is_one_closed_surface(mesh)
+        assert np.isfinite(mesh.positions).all()
+
+
+def test_two_thousand_branches_take_a_moment():
+    skeleton = random_skeleton(1, 5800, stubborn=0.6)
+    start = time.perf_counter()
+    mesh = connect_ramifications(skeleton)
+    assert time.perf_counter() - start < 6.0  # measured: 0.4 s; the machine may be busy
+    assert is_one_closed_surface(mesh)
 
 
 def test_bad_skeletons_get_one_clear_line():
