@@ -19,7 +19,7 @@ def params(*assignments: str) -> Params:
 
 
 def test_by_default_one_level_with_fewer_vertices_in_its_thin_wood():
-    tree = dataclasses.replace(grown(), height=100.0)  # for which its branches are thin
+    tree = dataclasses.replace(grown(), height=1000.0)  # for which its branches are thin
     asset = equip_tree(tree)
     (level,) = asset.levels
     assert (asset.cards, asset.winds, asset.collision) == ((), (), None)
