@@ -30,6 +30,8 @@ _COARSEST = {"sides": 3, "tolerance": 0.2}  # of meshing, for a trunk that is to
 _NEAR_ENOUGH = 0.94  # of the wood's triangles: more than this are used where there are branches left
 _TRIES, _SETTLED = 8, 1
 _REFINED, _ROOMY = 2, 1.1
+_FEWEST, _USUAL = 2, 3  # triangles of a branch
+_LOST = 1.2  # by which the surface of coarse wood is usually less than it was
 _MOST_SHARE = 1.6
 
 _Wood = tuple[Skeleton, NDArray[np.int32], TreeMesh]
@@ -158,18 +160,20 @@ def _fit_wood(
         return thinned, moved, wood
 
     whole, count = _surface(tree.wood), len(rank.fork)
-    best = build(count)
-    if len(best[2].triangles) <= budget:
-        for _ in range(_REFINED):
-            room = budget / len(best[2].triangles)
-            if room > _ROOMY:  # triangles grow with about the inverse root of the tolerance
-                params = params.model_copy(update={"tolerance": params.tolerance / room})
-            again = build(count)
-            if len(again[2].triangles) > budget:
-                break
-            best = again
-        return best
-    high, first = (count, len(best[2].triangles)), share
+    high, first = (count, _USUAL * count), _LOST
+    if _FEWEST * count <= budget:
+        best = build(count)
+        if len(best[2].triangles) <= budget:
+            for _ in range(_REFINED):
+                room = budget / len(best[2].triangles)
+                if room > _ROOMY:  # triangles grow with about the inverse root of the tolerance
+                    params = params.model_copy(update={"tolerance": params.tolerance / room})
+                again = build(count)
+                if len(again[2].triangles) > budget:
+                    break
+                best = again
+            return best
+        high, first = (count, len(best[2].triangles)), share
     best = build(1)
     low = (1, len(best[2].triangles))
     if low[1] > budget:
