@@ -29,7 +29,7 @@ def simplify_leaf(leaf: TreeMesh, material: Material, *, bands: int = 1, pieces:
     Returns: a mesh of ``2 * bands`` triangles a piece, or the leaf itself where it has no more or shows
         nothing.
     """
-    found = _pieces(leaf)
+    found = leaf_pieces(leaf)
     size = [float(_areas(leaf, part).sum()) for part in found]
     chosen = sorted(np.argsort(-np.array(size), kind="stable")[:pieces])
     if len(leaf.triangles) <= 2 * bands * len(chosen):
@@ -51,8 +51,8 @@ def simplify_leaf(leaf: TreeMesh, material: Material, *, bands: int = 1, pieces:
     )
 
 
-def _pieces(leaf: TreeMesh) -> list[NDArray[np.int32]]:
-    """The leaf's triangles by what is joined by common vertices."""
+def leaf_pieces(leaf: TreeMesh) -> list[NDArray[np.int32]]:
+    """The leaf's triangles (m, 3), those that common vertices join in one array."""
     label = np.arange(len(leaf.positions))
     while True:
         least = label[leaf.triangles].min(axis=1)
