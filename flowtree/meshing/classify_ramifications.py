@@ -14,6 +14,7 @@ from flowtree.meshing.find_exits import Exits
 
 _FINER = 8.0  # a branch this many times thinner than the thickest needs half as many sides
 _THIN = 0.25  # of the host's radius; thinner branches fit into a face of a host once subdivided
+_MIDDLING = 0.6  # of the host's radius; thinner branches fit into the four faces around a vertex then
 _CORNER = np.radians(35.0)  # from the middle of a face: nearer than 10 degrees to an edge of the unit
 _NEAR = 0.5  # of the unit's half length: children this near to its middle may share it
 
@@ -132,6 +133,8 @@ def _births(curves: BranchCurves, exits: Exits, subdivisions: int) -> Ints:
     for branches in levels(curves.host)[1:]:
         before = birth[curves.host[branches]]
         finer = exits.radius[branches] < _THIN * exits.host_radius[branches]
-        later = np.maximum(wanted[branches], before + finer)
+        # Another thin one may wait too, if a hole of four quads is wide enough for it.
+        may = exits.radius[branches] < _MIDDLING * exits.host_radius[branches]
+        later = np.where(may, np.maximum(wanted[branches], before + finer), before)
         birth[branches] = np.clip(later, before, np.minimum(before + 1, last))
     return birth
