@@ -229,6 +229,14 @@ class BranchParams(StageParams):
         le=10,
         unit="tree heights",
     )
+    longest_gap: float = _number(
+        0.015,
+        "a side branch of p particles that crosses gaps of a leafy crown for longer than this times the root"
+        " of p is dropped",
+        gt=0,
+        le=10,
+        unit="tree heights",
+    )
     shortest: float = _number(0.008, "shorter side branches are dropped", ge=0, le=0.5, unit="tree heights")
     limb_radius: float = _number(
         0.02,

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
+from flowtree.branches.drop_rods import drop_rods
 from flowtree.branches.graft_limbs import graft_limbs
 from flowtree.branches.order_branches import order_branches
 from flowtree.branches.prune_branches import prune_branches
@@ -12,25 +15,32 @@ from flowtree.branches.relax_forks import relax_forks
 from flowtree.branches.smooth_branches import smooth_branches
 from flowtree.geometry.parent_array import child_count, parents_first, sum_to_root
 from flowtree.model.attractor import LimbTree
+from flowtree.model.camera import Camera
+from flowtree.model.matte import Matte
 from flowtree.model.skeleton import Skeleton
 from flowtree.model.traces import FlowTraces
 from flowtree.params import BranchParams
 
 
 def build_skeleton(
-    traces: FlowTraces, *, limbs: LimbTree | None = None, params: BranchParams = BranchParams()
+    traces: FlowTraces,
+    *,
+    limbs: LimbTree | None = None,
+    crown: Sequence[tuple[Matte, Camera]] = (),
+    params: BranchParams = BranchParams(),
 ) -> Skeleton:
     """Turns the particles' joined paths into branches with forks.
 
     The traces are thinned to one node every few steps; where they come to a limb that the pictures show they
     go on along it (`graft_limbs`), and the limb stays where it is; what ends inside the wood of the limb it
-    leaves is pruned; branches are smoothed (``params.smoothing``; 0 leaves them chiselled, Particle Flows,
-    figure 5c); and where a path ran along its limb before it joined, the fork is moved to where the two part,
-    at a natural angle.
+    leaves is pruned, and so is what crosses the gaps of a leafy crown (`drop_rods`); branches are smoothed
+    (``params.smoothing``; 0 leaves them chiselled, Particle Flows, figure 5c); and where a path ran along its
+    limb before it joined, the fork is moved to where the two part, at a natural angle.
 
     Args:
         traces: of the particles.
         limbs: that the pictures show; None for none.
+        crown: each view's matte and camera of a leafy tree, whose gaps no thin branch crosses.
         params: thinning, pruning, smoothing, angles.
 
     Returns: the skeleton, with ``radius`` still 0; the particles at the root are all particles.
@@ -51,6 +61,11 @@ def build_skeleton(
         limb_radius=params.limb_radius * height,
         longest_lone=params.longest_lone * height,
     )
+    if crown:
+        mattes, cameras = zip(*crown, strict=True)
+        parent, points, own, limb = drop_rods(
+            (parent, points, own, limb), mattes, cameras, height=height, longest=params.longest_gap * height
+        )
     points = smooth_branches(parent, points, sum_to_root(parent, own), rounds=params.smoothing, still=limb)
     parent, points, own, limb = relax_forks(parent, points, own, limb, least_angle=params.least_angle)
     points = smooth_branches(

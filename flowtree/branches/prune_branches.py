@@ -7,6 +7,9 @@ from numpy.typing import NDArray
 
 from flowtree.geometry.parent_array import levels, main_child, sum_to_root
 
+#: Parents, points [m], own particles, and whether the pictures show the limb, of n nodes.
+Branches = tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.int32], NDArray[np.bool_]]
+
 #: Radii of its limb that a side branch must be longer than: what is shorter is a stub.
 STUB = 4.0
 
@@ -20,7 +23,7 @@ def prune_branches(
     shortest: float,
     limb_radius: float,
     longest_lone: float,
-) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.int32], NDArray[np.bool_]]:
+) -> Branches:
     """Drops side branches that end inside the limb they grow from, and stray wires.
 
     Args:
@@ -49,8 +52,15 @@ def prune_branches(
     side = ~limb & (parent >= 0) & (carries_on[above] != np.arange(len(parent)))
     length = reach + segment
     gone = side & ((length < shortest + STUB * radius[above]) | (length > longest_lone * np.sqrt(particles)))
+    return drop_branches((parent, points, own, limb), gone)
+
+
+def drop_branches(branches: Branches, gone: NDArray[np.bool_]) -> Branches:
+    """What is left without some nodes (n,) and all behind them, whose particles their forks get."""
+    parent, points, own, limb = branches
+    gone = gone.copy()
     home = np.arange(len(parent))  # the node that keeps a dropped node's particles
-    for nodes in depth_levels[1:]:
+    for nodes in levels(parent)[1:]:
         inherits = gone[parent[nodes]]
         gone[nodes] |= inherits
         home[nodes] = np.where(gone[nodes], home[parent[nodes]], nodes)

@@ -6,6 +6,7 @@ To import them takes as long as to cut out two photographs: that is done meanwhi
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -208,12 +209,18 @@ def run_branches(
     traces: FlowTraces,
     limbs: LimbTree,
     mattes: tuple[Matte, ...],
+    bare: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
     leafy: bool,
 ) -> Skeleton:
     """The skeleton with radii: limbs where the graphs run, and as wide as the mattes show."""
     params = job.params.thickness
-    branches = build_skeleton(traces, limbs=limbs, params=job.params.branches)
+    # What is erased changes the crown there, and not which branches bear it elsewhere.
+    either = [
+        replace(one, alpha=np.maximum(one.alpha, two.alpha)) for one, two in zip(bare, mattes, strict=True)
+    ]
+    crown = tuple(zip(either, cameras, strict=True)) if leafy else ()
+    branches = build_skeleton(traces, limbs=limbs, crown=crown, params=job.params.branches)
     trunk = _agreed_radius([measure_trunk(m, c) for m, c in zip(mattes, cameras, strict=True)])
     bounds = bound_radii(branches, limbs)
     if not leafy and params.exponent is None:

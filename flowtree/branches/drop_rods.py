@@ -1,0 +1,56 @@
+"""Removes branches that cross gaps of a leafy crown."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from flowtree.branches.prune_branches import Branches, drop_branches
+from flowtree.geometry.cover_canvas import CELLS, lay_canvas
+from flowtree.geometry.parent_array import levels, main_child, sum_to_root
+from flowtree.model.camera import Camera
+from flowtree.model.matte import Matte
+
+_EMPTY = 0.01  # mean alpha of a cell in which there is a gap
+_KNOWN = 0.9  # how surely a cell's alpha must be known
+
+
+def drop_rods(
+    branches: Branches,
+    mattes: Sequence[Matte],
+    cameras: Sequence[Camera],
+    *,
+    height: float,
+    longest: float,
+) -> Branches:
+    """Drops side branches that run far through gaps, where a matte shows next to nothing, for few particles.
+
+    A particle that crosses a gap before it meets others leaves a rod in the open that no picture shows. The
+    part of the crown that it came from is borne by its neighbours.
+
+    Args:
+        branches: to choose from; the limbs that the pictures show stay.
+        mattes: one a view.
+        cameras: theirs.
+        height: of the tree [m].
+        longest: way through gaps, times the root of a side branch's particles, from which on it goes [m].
+    """
+    parent, points, own, limb = branches
+    above = np.maximum(parent, 0)
+    middle = (points + points[above]) / 2
+    empty = np.zeros(len(parent), np.bool_)
+    for matte, camera in zip(mattes, cameras, strict=True):
+        canvas = lay_canvas(matte.alpha, matte.unknown, camera, cell=height / CELLS)
+        flat = canvas.flat(middle)
+        gap = (canvas.wanted < _EMPTY) & (canvas.known > _KNOWN)
+        empty |= canvas.spread(gap.astype(np.float32))[canvas.index(flat[:, 0], flat[:, 1])] > 0
+    way = np.linalg.norm(points - points[above], axis=1) * (empty & ~limb)
+    particles = sum_to_root(parent, own)
+    most = way.copy()  # through gaps, from the node's parent to any tip behind it
+    for nodes in reversed(levels(parent)[1:]):
+        ahead = np.zeros(len(parent))
+        np.maximum.at(ahead, parent[nodes], most[nodes])
+        most += ahead
+    side = ~limb & (parent >= 0) & (main_child(parent, particles)[above] != np.arange(len(parent)))
+    return drop_branches(branches, side & (most > longest * np.sqrt(particles)))
