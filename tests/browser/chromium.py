@@ -12,7 +12,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
-from tests.clients.node import give_up, modules
+import pytest
+
+from tests.clients.node import modules
 
 _HERE = Path(__file__).parent
 _NAMES = ("chromium", "chromium-browser", "google-chrome")
@@ -29,7 +31,7 @@ _WAIT = 120_000  # [ms]
 
 @contextlib.contextmanager
 def open_page(page: str, files: Path) -> Iterator[Any]:
-    """Opens a page of this folder; skips the test where there is no Chromium, except in CI.
+    """Opens a page of this folder; skips the test where there is no Chromium.
 
     On the page's own origin lie this folder, ``/files/`` with the given one, and ``/node_modules/``.
 
@@ -42,7 +44,7 @@ def open_page(page: str, files: Path) -> Iterator[Any]:
     playwright = _import_playwright()
     browser_file = next(filter(None, map(shutil.which, _NAMES)), None)
     if browser_file is None:
-        give_up("Chromium is not installed")
+        pytest.skip("Chromium is not installed")
     roots = {"node_modules": modules() / "node_modules", "files": files}
     with _serve(roots) as address, playwright.sync_playwright() as started:
         browser = started.chromium.launch(executable_path=browser_file, args=list(_FLAGS))
@@ -64,7 +66,7 @@ def _import_playwright() -> Any:
     try:
         from playwright import sync_api
     except ImportError:
-        give_up("playwright is not installed")
+        pytest.skip("playwright is not installed")
     return sync_api
 
 
