@@ -45,15 +45,27 @@ def pack_atlas(levels: Sequence[TreeModel]) -> tuple[TreeModel, ...]:
     equal positions. On the right the leaf, with a gutter of its own colours.
 
     Args:
-        levels: of one tree, all of the same materials.
+        levels: of one tree, all of the same bark. Those of the same leaf share an atlas; those that show
+            sprays of leaves have their own.
 
     Returns: the levels with one picture for wood and leaves, and one normal map for those that have any; as
         they are where there is no leaf.
     """
-    leafy = [level.foliage for level in levels if level.foliage is not None]
-    if not leafy:
-        return tuple(levels)
-    bark, leaf = levels[0].bark, leafy[0].material
+    groups: dict[int, list[TreeModel]] = {}
+    for level in levels:
+        if level.foliage is not None:
+            groups.setdefault(id(level.foliage.material), []).append(level)
+    packed: dict[int, TreeModel] = {}
+    for group in groups.values():
+        packed |= {id(level): made for level, made in zip(group, _pack_group(group), strict=True)}
+    return tuple(packed.get(id(level), level) for level in levels)
+
+
+def _pack_group(levels: list[TreeModel]) -> tuple[TreeModel, ...]:
+    """The levels, all with leaves of one material, with one atlas."""
+    foliage = levels[0].foliage
+    assert foliage is not None
+    bark, leaf = levels[0].bark, foliage.material
     widest = max((_reach(level.wood) for level in levels), default=1.0)
     tile = bark.base_color.shape[:2]
     strip = int(np.ceil(min(widest, 2.0) * tile[1]))

@@ -12,13 +12,19 @@ from flowtree.geometry.rotation_matrices import rotation_matrices
 from flowtree.levels.seen_area import seen_area
 from flowtree.levels.simplify_leaf import leaf_pieces
 from flowtree.model.foliage import Foliage
-from flowtree.model.mesh import TreeMesh
+from flowtree.model.mesh import Material, TreeMesh
 
 # Leaves of one plane for crossed ones lie before each other more often, those of three conifers by so much.
 _FLATTER = 1.05
 
 
-def thin_leaves(foliage: Foliage, order: NDArray[np.int64], count: int, leaf: TreeMesh) -> Foliage:
+def thin_leaves(
+    foliage: Foliage,
+    order: NDArray[np.int64],
+    count: int,
+    leaf: TreeMesh,
+    material: Material | None = None,
+) -> Foliage:
     """The first ``count`` leaves of an order, of another shape, larger by what the others hid.
 
     What is seen of all leaves (`seen_area`) stays, and with it the crown's optical depth. A leaf grows about
@@ -29,12 +35,14 @@ def thin_leaves(foliage: Foliage, order: NDArray[np.int64], count: int, leaf: Tr
         order: (n,), as `spread_order` gives it: a leaf of a short beginning is in every longer one too.
         count: leaves to keep.
         leaf: their shape, in the frame of `Foliage`.
+        material: of that shape; None for the leaves' own.
 
-    Returns: leaves in the order of ``foliage``, of its material.
+    Returns: leaves in the order of ``foliage``.
     """
     kept = np.sort(order[:count])
     flatter = len(leaf_pieces(leaf)) < len(leaf_pieces(foliage.leaf))
-    old, new = (seen_area(shape, foliage.material) for shape in (foliage.leaf, leaf))
+    worn = foliage.material if material is None else material
+    old, new = seen_area(foliage.leaf, foliage.material), seen_area(leaf, worn)
     whole = float(np.sum(foliage.scale.astype(np.float64) ** 2))
     left = float(np.sum(foliage.scale[kept].astype(np.float64) ** 2))
     growth = np.sqrt(whole * old / (left * new)) if left * new > 0 else 1.0
@@ -49,7 +57,7 @@ def thin_leaves(foliage: Foliage, order: NDArray[np.int64], count: int, leaf: Tr
     }
     changed["position"] = (foliage.position[kept] + shift).astype(np.float32)
     changed["scale"] = (growth * scale).astype(np.float32)
-    return replace(foliage, leaf=leaf, **changed)
+    return replace(foliage, leaf=leaf, material=worn, **changed)
 
 
 def _middle(leaf: TreeMesh) -> NDArray[np.float64]:

@@ -12,6 +12,7 @@ from flowtree.geometry.spread_order import spread_order
 from flowtree.levels.rank_branches import BranchRank, rank_branches
 from flowtree.levels.share_triangles import share_triangles
 from flowtree.levels.simplify_leaf import simplify_leaf
+from flowtree.levels.spray_leaf import spray_leaf
 from flowtree.levels.thin_leaves import thin_leaves
 from flowtree.levels.thin_skeleton import thin_skeleton
 from flowtree.meshing.sweep_rings import sweep_rings
@@ -31,6 +32,7 @@ _NEAR_ENOUGH = 0.94  # of the wood's triangles: more than this are used where th
 _TRIES, _SETTLED = 8, 1
 _REFINED, _ROOMY = 2, 1.1
 _FEWEST, _USUAL = 2, 3  # triangles of a branch
+_SPRAYED, _LARGEST_SPRAY = 2.2, 12  # leaves for each that is kept, from which on a card shows many; at most
 _LOST = 1.2  # by which the surface of coarse wood is usually less than it was
 _MOST_SHARE = 1.6
 
@@ -52,8 +54,9 @@ def build_levels(
     level 2 a fifteenth and 4,000 at most, level 3 a quarter of that; none need have less than 64. The wood is
     swept anew, with fewer sides and rings and, where that is not enough, fewer and thicker twigs (see
     `thin_skeleton`); there are fewer and larger leaves (see `thin_leaves`) of fewer triangles (see
-    `simplify_leaf`). A branch or leaf of a level is in all finer ones, too. Leaves of branches that are gone
-    belong to the node where these began.
+    `simplify_leaf`), or where they would be far larger, sprays of small ones (see `spray_leaf`). A branch or
+    leaf of a level is in all finer ones, too. Leaves of branches that are gone belong to the node where these
+    began.
 
     Args:
         tree: with its skeleton.
@@ -117,9 +120,14 @@ def _build_level(
     if foliage is not None and order is not None:
         left = budget - len(wood.triangles)
         fits = (leaf for leaf in shapes if len(leaf.triangles) * len(order) <= left)
-        leaf = next(fits, shapes[-1])
+        leaf, worn = next(fits, shapes[-1]), foliage.material
         count = min(len(order), left // len(leaf.triangles))
-        thinned = thin_leaves(foliage, order, count, leaf) if count else None
+        if count * _SPRAYED <= len(order):
+            rows, columns = worn.base_color.shape[:2]
+            together = min(_LARGEST_SPRAY, round(len(order) / max(count, 1)))
+            leaf, worn = spray_leaf(worn, columns / rows, together)
+            count = min(len(order), left // len(leaf.triangles))
+        thinned = thin_leaves(foliage, order, count, leaf, worn) if count else None
         foliage = None if thinned is None else replace(thinned, node=moved[thinned.node])
     return replace(tree, skeleton=skeleton, wood=wood, foliage=foliage)
 

@@ -29,10 +29,14 @@ def test_the_tree_looks_the_same_with_an_atlas():
 
 
 def test_levels_share_one_picture_and_stay_closed():
-    levels = pack_atlas(build_levels(TREE, max_triangles=6000, count=3, device="cpu"))
+    levels = build_levels(TREE, max_triangles=6000, count=3, device="cpu")
+    leaves = len({id(each.foliage.material) for each in levels})
+    assert leaves == 2  # one of them a spray
+    levels = pack_atlas(levels)
     pictures = {id(part.base_color) for each in levels for part in (each.bark, each.foliage.material)}
-    assert len(pictures) == 1
+    assert len(pictures) == leaves
     for level in levels:
+        assert level.bark.base_color is level.foliage.material.base_color
         assert is_watertight(close_seams(level.wood)[1])
         for mesh in (level.wood, level.foliage.leaf):
             assert ((mesh.uvs[:, 0] >= 0) & (mesh.uvs[:, 0] <= 1)).all()
