@@ -20,7 +20,7 @@ MaxTriangles = Annotated[
     typer.Option(
         metavar="N",
         help="Triangles of the finest level; 0 leaves the tree as it is.",
-        show_default="60000",
+        show_default="50000",
     ),
 ]
 Levels = Annotated[

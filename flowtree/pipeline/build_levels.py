@@ -42,7 +42,7 @@ _Wood = tuple[Skeleton, NDArray[np.int32], TreeMesh]
 def build_levels(
     tree: TreeModel,
     *,
-    max_triangles: int = 60_000,
+    max_triangles: int = 50_000,
     count: int = 4,
     meshing: MeshingParams = MeshingParams(),
     seed: int = 0,
