@@ -46,7 +46,7 @@ def test_the_surface_itself_does_not_change():
 
 
 def test_what_is_closed_is_left_as_it_is():
-    corners, faces = tetrahedron()
+    corners, _ = tetrahedron()
     folded = np.array([*corners, corners[3] + np.float32(1)], np.float32)
     folded[0] = folded[4]  # two vertices of one piece in one place, neither on a slit
     split = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 4, 2], [0, 3, 4], [2, 4, 3]])
