@@ -37,7 +37,8 @@ def unwrap_quads(mesh: QuadMesh) -> TreeMesh:
 
     uvs = np.empty((len(vertex), 2), np.float32)
     uvs[corner_vertex] = mesh.uvs
-    short = sum(k**2 for k in first) <= sum(k**2 for k in second)
+    one, two = (np.asarray(sum(k**2 for k in diagonal), np.float64) for diagonal in (first, second))
+    short = _without_twins(quads, one <= two)
     triangles = corner_vertex[:, [0, 1, 2, 0, 2, 3]]
     triangles[~short] = corner_vertex[~short][:, [0, 1, 3, 1, 2, 3]]
     return TreeMesh(
@@ -48,6 +49,18 @@ def unwrap_quads(mesh: QuadMesh) -> TreeMesh:
         tangents=tangents,
         node=mesh.node[vertex],
     )
+
+
+def _without_twins(quads: Ints, short: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which quads (m,) to cut along their first diagonals, where two do not share the one asked for.
+
+    Two quads at a vertex that no third one has share a diagonal: cut there, four triangles would meet.
+    """
+    one, two = (np.where(short, quads[:, k], quads[:, k + 1]) for k in (0, 2))
+    cut = np.minimum(one, two) * (int(quads.max(initial=0)) + 1) + np.maximum(one, two)
+    ordered = np.sort(cut)
+    twins = ordered[1:][ordered[1:] == ordered[:-1]]
+    return short ^ np.isin(cut, twins) if len(twins) else short
 
 
 def _toward_growing_u(

@@ -6,6 +6,7 @@ from flowtree.geometry.closed_surfaces import is_watertight
 from flowtree.meshing.close_seams import close_seams
 from flowtree.meshing.connect_ramifications import connect_ramifications
 from flowtree.meshing.unwrap_quads import unwrap_quads
+from flowtree.model.mesh import QuadMesh
 from flowtree.params import MeshingParams
 from tests.meshing.test_sweep_rings import texel_sizes
 from tests.skeletons import random_skeleton
@@ -56,3 +57,13 @@ def test_the_bark_is_not_stretched_even_at_forks():
     ratio = (most / np.maximum(least, 1e-12))[order]
     assert ratio[np.searchsorted(share, 0.5)] < 1.25
     assert ratio[np.searchsorted(share, 0.9)] < 1.8
+
+
+def test_quads_that_share_a_diagonal_are_cut_along_the_others():
+    # A lens of two times two quads: the two at vertex 4 share corners 0 and 2, near each other.
+    points = np.array(
+        [[0, 0, 0], [1, 2, 0], [0.2, 0, 0.1], [1, -2, 0], [0.1, 0, 0.5], [0.1, 0.1, -1.0]], np.float32
+    )
+    quads = np.array([[0, 1, 2, 4], [0, 4, 2, 3], [0, 3, 2, 5], [0, 5, 2, 1]], np.int32)
+    mesh = QuadMesh(points, quads, np.ones(6, np.int32), np.zeros((4, 4, 2), np.float32))
+    assert is_watertight(close_seams(unwrap_quads(mesh))[1])
