@@ -14,6 +14,7 @@ from flowtree.check import one_line
 from flowtree.cli.demo import demo
 from flowtree.cli.grow import grow
 from flowtree.cli.inspect import inspect
+from flowtree.cli.keep_memory import keep_memory
 from flowtree.cli.matte import matte
 from flowtree.cli.params import params
 from flowtree.cli.reconstruct import reconstruct
@@ -59,6 +60,7 @@ def main() -> None:
     # more when the process ends 0.4 s: there is none. Frozen objects are left out; all that ends in order
     # (open files, threads, what others registered) has ended by then.
     gc.set_threshold(_COLLECT_AFTER)
+    keep_memory()
     atexit.register(gc.freeze)
     try:
         app()
