@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from flowtree.levels.limit_textures import limit_textures
-from flowtree.levels.pack_atlas import pack_atlas
 from flowtree.model.asset import Card, TreeAsset
 from flowtree.model.tree import TreeModel
 from flowtree.params import AssetParams, MeshingParams
 from flowtree.pipeline.build_levels import build_levels
-from flowtree.render.bake_impostor import bake_crossed, bake_octahedral
 
 
 def build_asset(
@@ -40,10 +38,18 @@ def build_asset(
         device=device,
     )
     levels = limit_textures(levels, params.texture_size)
-    cards: tuple[Card, ...] = ()
+    cards = () if params.impostor == "none" else (_bake(levels[0], params, device),)
+    if params.atlas:
+        from flowtree.levels.pack_atlas import pack_atlas  # few ask for it
+
+        levels = pack_atlas(levels)
+    return TreeAsset(levels=levels, cards=cards)
+
+
+def _bake(tree: TreeModel, params: AssetParams, device: str | None) -> Card:
+    from flowtree.render.bake_impostor import bake_crossed, bake_octahedral  # as few
+
+    size = params.impostor_size
     if params.impostor == "crossed":
-        cards = (bake_crossed(levels[0], size=params.impostor_size, device=device),)
-    elif params.impostor == "octahedral":
-        size, frames = params.impostor_size, params.impostor_frames
-        cards = (bake_octahedral(levels[0], size=size, frames=frames, device=device),)
-    return TreeAsset(levels=pack_atlas(levels) if params.atlas else levels, cards=cards)
+        return bake_crossed(tree, size=size, device=device)
+    return bake_octahedral(tree, size=size, frames=params.impostor_frames, device=device)

@@ -37,13 +37,11 @@ from flowtree.geometry.read_color import read_color
 from flowtree.matting.judge_leafy import judge_leafy
 from flowtree.matting.paint_matte import paint_matte
 from flowtree.meshing.close_seams import close_seams
-from flowtree.meshing.connect_ramifications import connect_ramifications
 from flowtree.meshing.light_bark import light_bark
 from flowtree.meshing.load_bark import load_bark
 from flowtree.meshing.measure_bark import measure_bark
 from flowtree.meshing.paint_bark import paint_bark
 from flowtree.meshing.sweep_rings import sweep_rings
-from flowtree.meshing.unwrap_quads import unwrap_quads
 from flowtree.model.asset import TreeAsset
 from flowtree.model.attractor import AttractorGraph, Habit, LimbTree
 from flowtree.model.camera import Camera
@@ -278,6 +276,9 @@ def run_meshing(job: Job, skeleton: Skeleton) -> TreeMesh:
     """The wood's surface."""
     params = job.params.meshing
     if params.surface == "quads":
+        from flowtree.meshing.connect_ramifications import connect_ramifications  # few ask for it
+        from flowtree.meshing.unwrap_quads import unwrap_quads
+
         return unwrap_quads(connect_ramifications(skeleton, params=params, device=job.device))
     return sweep_rings(skeleton, params=params, device=job.device)
 
