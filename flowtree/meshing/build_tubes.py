@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flowtree.geometry.catmull_clark import ROUND
 from flowtree.meshing.branch_axes import Floats, Ints, unit
 from flowtree.meshing.branch_curves import BranchCurves
 from flowtree.meshing.find_exits import Exits
@@ -79,12 +80,13 @@ def shrinkage(subdivisions: int) -> float:
     """How much thinner a square tube becomes: the radius of its final area over that of its corners.
 
     Its inverse is the factor alpha of the paper's criterion 3. The section of a straight tube is subdivided
-    as a uniform cubic B-spline.
+    as the surface is.
     """
     ring = np.exp(0.5j * np.pi * np.arange(4))
     for _ in range(subdivisions):
         middle = 0.5 * (ring + np.roll(ring, -1))
-        ring = np.stack([0.75 * ring + 0.125 * (np.roll(ring, 1) + np.roll(ring, -1)), middle], 1).ravel()
+        beside = np.roll(ring, 1) + np.roll(ring, -1)
+        ring = np.stack([(0.75 - 0.5 * ROUND) * ring + (0.125 + 0.25 * ROUND) * beside, middle], 1).ravel()
     return float(np.sqrt(0.5 * np.abs(np.sum(np.conj(ring) * np.roll(ring, -1)).imag) / np.pi))
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flowtree.geometry.catmull_clark import subdivide_corners, subdivide_quads
+from flowtree.geometry.catmull_clark import ROUND, subdivide_corners, subdivide_quads
 from flowtree.meshing.branch_axes import Floats, Ints
 from flowtree.meshing.branch_curves import BranchCurves, trace_curves
 from flowtree.meshing.build_tubes import (
@@ -71,8 +71,9 @@ def connect_ramifications(
     would cut each other are turned to one plane. Surfaces of different branches may still pass through each
     other where the skeleton's branches do.
 
-    Unlike the paper, in short: thin branches are made later; a child may leave its host off the middle of a
-    face; branches that leave at a few degrees do so where they have come out of the host's wood.
+    Unlike the paper, in short: subdivision rounds a little more (`ROUND`); thin branches are made later; a
+    child may leave its host off the middle of a face; branches that leave at a few degrees do so where they
+    have come out of the host's wood.
 
     Repairs, none of which is an error: those of `trace_curves`; a child thicker than its host begins as wide
     as the host's face; a branch that ends inside its host is continued out of it by 1.5 radii.
@@ -250,8 +251,8 @@ def _bases(mesh: ControlMesh, branch: Ints) -> Ints:
 
 def _subdivided(mesh: ControlMesh) -> ControlMesh:
     """After one more step of Catmull and Clark's scheme."""
-    positions, quads, edges = subdivide_quads(mesh.positions, mesh.quads)
-    uvs = subdivide_corners(mesh.quads, mesh.uvs)
+    positions, quads, edges = subdivide_quads(mesh.positions, mesh.quads, rounding=ROUND)
+    uvs = subdivide_corners(mesh.quads, mesh.uvs, rounding=ROUND)
     node = np.concatenate([mesh.node, mesh.node[edges].max(axis=1), mesh.node[mesh.quads].max(axis=1)])
     return ControlMesh(
         positions,
@@ -289,8 +290,9 @@ def _apart(positions: NDArray[np.float32]) -> NDArray[np.float32]:
         key = (bits * np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)).sum(
             axis=1
         )
+        ordered = np.sort(key)
+        if not (ordered[1:] == ordered[:-1]).any():
+            return positions
         order = np.argsort(key, kind="stable")
         twin = order[1:][key[order[1:]] == key[order[:-1]]]
-        if not len(twin):
-            return positions
         positions[twin, 0] = np.nextafter(positions[twin, 0], np.float32(np.inf))

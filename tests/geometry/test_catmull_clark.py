@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flowtree.geometry.catmull_clark import split_corners, subdivide_corners, subdivide_quads
+from flowtree.geometry.catmull_clark import ROUND, split_corners, subdivide_corners, subdivide_quads
 
 CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
 SIDES = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
@@ -91,3 +91,25 @@ def test_corners_follow_the_surface_and_keep_their_seams():
     place, corner = split_corners(quads, uvs)
     assert len(place) == 36 + 6
     assert np.array_equal(place[corner], quads)
+
+
+def test_rounding_makes_a_regular_octagon_of_a_square_tube():
+    square = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    points = np.concatenate([np.column_stack([square, np.full(4, height)]) for height in range(5)])
+    low, side = 4 * np.arange(4)[:, None], np.arange(4)
+    after = (side + 1) % 4
+    quads = np.stack([low + side, low + after, low + 4 + after, low + 4 + side], axis=2).reshape(-1, 4)
+    finer, *_ = subdivide_quads(points, quads, rounding=ROUND)
+    ring = finer[np.abs(finer[:, 2] - 2.0) < 1e-9]
+    assert len(ring) == 8
+    assert np.ptp(np.hypot(ring[:, 0], ring[:, 1])) < 1e-12
+    plain, *_ = subdivide_quads(points, quads)
+    assert np.ptp(np.hypot(*plain[np.abs(plain[:, 2] - 2.0) < 1e-9, :2].T)) > 0.04
+
+
+def test_rounding_leaves_planes_and_lines_as_they_are():
+    points, quads = grid()
+    bent = np.column_stack([points, 2.0 * points[:, 0] - points[:, 1]])
+    finer, *_ = subdivide_quads(bent, quads, rounding=ROUND)
+    assert np.allclose(finer[:, 2], 0.0)
+    assert np.allclose(finer[:, 3], 2.0 * finer[:, 0] - finer[:, 1])

@@ -165,6 +165,15 @@ def test_forks_are_smooth(ratio, angle):
     assert bend[~tips & (place[:, 1] > 0.2)].max() < 60.0  # where tubes meet it would be the fork's angle
 
 
+def test_a_tube_of_eight_sides_is_a_regular_one():
+    straight = bent_branch(bend=0.0)
+    skeleton = dataclasses.replace(straight, radius=np.full_like(straight.radius, 0.1))
+    bend, place = creases(
+        connect_ramifications(skeleton, params=MeshingParams(subdivisions=1, root_flare=0.0))
+    )
+    assert bend[np.abs(place[:, 1] - 2.8) < 1.5].max() < 45.5
+
+
 def test_the_foot_stands_flat_on_the_ground():
     mesh = connect_ramifications(bent_branch(), params=MeshingParams(root_flare=0.5))
     assert mesh.positions[:, 1].min() == 0.0
