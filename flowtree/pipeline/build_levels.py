@@ -23,18 +23,19 @@ from flowtree.model.tree import TreeModel
 from flowtree.params import MeshingParams
 
 _MOST_LEVELS = 4
-_NEXT = 0.6  # of level 0's triangles, in level 1
+_NEXT = 0.66  # of level 0's triangles, in level 1
 _FAR, _FAR_SHARE = 4000, 15  # level 2: triangles at most, and how many times fewer than in level 0
 _FARTHEST = 4  # times fewer in level 3 than in level 2
 _LEAST = 64  # triangles, which may become fewer no more
 _COARSEST = {"sides": 3, "tolerance": 0.2}  # of meshing, for a trunk that is too fine for its budget
 _NEAR_ENOUGH = 0.94  # of the wood's triangles: more than this are used where there are branches left
 _TRIES, _SETTLED = 8, 1
-_REFINED, _ROOMY = 2, 1.1
+_REFINED, _ROOMY = 3, 1.1
 _FEWEST, _USUAL = 2, 3  # triangles of a branch
 _SPRAYED, _LARGEST_SPRAY = 2.2, 12  # leaves for each that is kept, from which on a card shows many; at most
 _LOST = 1.2  # by which the surface of coarse wood is usually less than it was
 _MOST_SHARE = 1.6
+_ENOUGH = 0.97  # of the surface: with less of it, fewer branches that are thick enough are likelier
 
 _Wood = tuple[Skeleton, NDArray[np.int32], TreeMesh]
 
@@ -50,7 +51,7 @@ def build_levels(
 ) -> tuple[TreeModel, ...]:
     """Makes levels of detail from the tree's skeleton and leaves, the finest first.
 
-    Level 0 has ``max_triangles`` at most, and is the tree itself where that fits; level 1 has 60 % of them,
+    Level 0 has ``max_triangles`` at most, and is the tree itself where that fits; level 1 has 66 % of them,
     level 2 a fifteenth and 4,000 at most, level 3 a quarter of that; none need have less than 64. The wood is
     swept anew, with fewer sides and rings and, where that is not enough, fewer and thicker twigs (see
     `thin_skeleton`); there are fewer and larger leaves (see `thin_leaves`) of fewer triangles (see
@@ -171,17 +172,21 @@ def _fit_wood(
     high, first = (count, _USUAL * count), _LOST
     if _FEWEST * count <= budget:
         best = build(count)
-        if len(best[2].triangles) <= budget:
+        high, first = (count, len(best[2].triangles)), share
+        if high[1] <= budget:
+            fits, finer = params.tolerance, 1.0
             for _ in range(_REFINED):
                 room = budget / len(best[2].triangles)
                 if room > _ROOMY:  # triangles grow with about the inverse root of the tolerance
-                    params = params.model_copy(update={"tolerance": params.tolerance / room})
+                    params = params.model_copy(update={"tolerance": fits / room**finer})
                 again = build(count)
                 if len(again[2].triangles) > budget:
-                    break
-                best = again
-            return best
-        high, first = (count, len(best[2].triangles)), share
+                    high, finer = (count, len(again[2].triangles)), 0.5 * finer
+                else:
+                    best, fits = again, params.tolerance
+            if _surface(best[2]) >= _ENOUGH * whole or high[1] <= budget:
+                return best
+            params = params.model_copy(update={"tolerance": fits})
     best = build(1)
     low = (1, len(best[2].triangles))
     if low[1] > budget:

@@ -24,7 +24,13 @@ def test_shares_are_parameters_of_meshing_within_the_budget(budget, branches, le
 def test_wood_has_what_leaves_leave():
     assert share_triangles(60_000, branches=100).wood == 60_000
     assert share_triangles(60_000, branches=100, leaves=10_000).wood == 50_000
-    assert share_triangles(60_000, branches=100, leaves=1_000_000).wood < 30_000
+    assert share_triangles(60_000, branches=100, leaves=1_000_000).wood < 12_000
+
+
+def test_a_bare_crown_keeps_most_of_its_branches():
+    """Twigs that are gone cost more likeness than limbs that are a little straighter."""
+    shares = share_triangles(50_000, branches=27_000)
+    assert shares.tolerance > 0.01
 
 
 def test_less_is_coarser():
