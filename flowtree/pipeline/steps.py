@@ -385,9 +385,9 @@ def run_closing(job: Job, wood: TreeMesh) -> bool:
     return is_watertight(close_seams(wood)[1])
 
 
-def run_fidelity(job: Job, tree: TreeModel, matte: Matte, camera: Camera) -> float:
-    """Soft IoU of the tree with one view's matte (see `soft_iou`), from a picture just fine enough."""
-    small = _smaller(camera)
+def run_fidelity(job: Job, asset: TreeAsset, matte: Matte, camera: Camera) -> float:
+    """Soft IoU of what is written with one view's matte (see `soft_iou`), from a picture just fine enough."""
+    tree, small = asset.levels[0], _smaller(camera)
     mask = render_mask(tree, small, device=job.device)
     return soft_iou(mask, small, matte.alpha, camera, height=tree.height)
 

@@ -294,7 +294,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="fidelity",
         run=_late("run_fidelity"),
-        inputs=("tree", "mattes", "cameras"),
+        inputs=("asset", "mattes", "cameras"),
         outputs=("soft_ious",),
         each_view=True,
         kernels=("cast_rays",),
