@@ -40,9 +40,9 @@ from flowtree.model.skeleton import Skeleton
 from flowtree.params import MeshingParams
 
 _EMPTY = (((0, 3), float), ((0,), int), ((0, 4), int), ((0, 4, 2), float), ((0,), int), ((0,), int))
-_LIFT = 0.2  # radii by which a start boundary is lifted from the face, where little smoothing follows
+_LIFT = 0.3  # radii by which a start boundary is lifted from the face, where little smoothing follows
 _RISE = 1.0  # radii by which the crotch of a branch along its host is filled
-_RISE_LIFTED = 0.5  # the same where the boundary is lifted
+_RISE_LIFTED = 0.3  # the same where the boundary is lifted
 _THIN = 0.25  # of the host's radius: thinner branches fit into one face of it, once subdivided
 
 

@@ -12,6 +12,7 @@ from flowtree.meshing.branch_curves import BranchCurves, any_across
 
 # Where a branch is looked at, in radii of its host: beyond the last it stays a part of it.
 _STEPS = np.array([0.4, 0.7, 0.9, 1.05, 1.2, 1.4, 1.65, 2.0, 2.5, 3.1, 4.0, 5.0])
+_CLEAR = 0.7  # of its own radius that a branch's axis is outside of its host where it begins
 _WIDTH = 1.06  # half the width of the square that becomes a circle of radius 1
 _SLANT = 2.4  # a slanting section is this much longer than wide at most
 _SHARE = 0.6  # of a branch's length that may lie inside the host
@@ -47,7 +48,10 @@ class Exits:
 
 
 def find_exits(curves: BranchCurves) -> Exits:
-    """Follows every side branch from its fork to where it is a radius away from its host's axis.
+    """Follows every side branch from its fork to where most of it has come out of its host's wood.
+
+    That is a host radius and most of its own away from the host's axis: begun further down, the inner side of
+    its first rings would lie within the wood and fold the surface at the crotch.
 
     The paper takes the point where the branch's first segment meets the unit's main face (figure 3: Q). A
     branch that leaves at a few degrees meets it far up, or never: so the branch is followed along its bends,
@@ -64,11 +68,13 @@ def find_exits(curves: BranchCurves) -> Exits:
     axis, wide, _ = curves.at(on, beside)
     share = (np.linalg.norm(place - axis, axis=1) / wide).reshape(count, steps)
 
-    out = share >= 1.0
+    own = np.minimum(curves.at(branch, np.minimum(fork_radius, curves.length))[1] / fork_radius, 1.0)
+    clear = 1.0 + _CLEAR * own
+    out = share >= clear[:, None]
     last = np.where(out.any(axis=1), out.argmax(axis=1), steps - 1)
     before = np.maximum(last - 1, 0)
     near, far = share[branch, before], share[branch, last]
-    gain = np.where((far > 1.0) & (last > 0), (1.0 - near) / np.maximum(far - near, 1e-9), 1.0)
+    gain = np.where((far > clear) & (last > 0), (clear - near) / np.maximum(far - near, 1e-9), 1.0)
     begin = away[branch, before] + np.clip(gain, 0.0, 1.0) * (away[branch, last] - away[branch, before])
 
     center, radius, _ = curves.at(branch, begin)

@@ -153,7 +153,7 @@ def creases(mesh):
 
 
 @pytest.mark.parametrize("ratio", [0.3, 0.5, 0.7, 0.9])
-@pytest.mark.parametrize("angle", [35.0, 55.0, 80.0])
+@pytest.mark.parametrize("angle", [20.0, 35.0, 55.0, 80.0])
 def test_forks_are_smooth(ratio, angle):
     tilt = np.radians(angle)
     out = np.array([np.sin(tilt), np.cos(tilt), 0.2])
