@@ -26,10 +26,9 @@ from flowtree.model.tree import TreeModel
 from flowtree.params import Params
 from flowtree.pipeline.build_report import growth_report
 from flowtree.pipeline.cache import StageCache
-from flowtree.pipeline.photo_steps import run_sketch
 from flowtree.pipeline.run_stages import run_stages
 from flowtree.pipeline.stage import Job, Stage
-from flowtree.pipeline.steps import run_assembly, run_closing, run_equipping, run_meshing
+from flowtree.pipeline.table import STAGES
 
 _GROWTH: dict[str, Habit] = {"needle": "conifer", "frond": "palm"}  # what leaves tell of the bark
 _LEAF = (0.8, 0.8, 0.8)  # linear; leaves take their own colour from the foliage
@@ -162,6 +161,8 @@ def _foliage(
     return scatter_leaves(skeleton, leaf, height=heights[0], params=job.params.leaves, seed=job.seed)
 
 
+# Stages that do the same as with photographs.
+_SHARED = {stage.name: stage for stage in STAGES}
 GROWING: tuple[Stage, ...] = (
     Stage(
         name="mending",
@@ -171,15 +172,7 @@ GROWING: tuple[Stage, ...] = (
         params=("thickness",),
         share=0.1,
     ),
-    Stage(
-        name="sketch",
-        run=run_sketch,
-        inputs=("twig_source",),
-        outputs=("sketched_twig",),
-        params=("twigs",),
-        seeded=True,
-        share=0.01,
-    ),
+    _SHARED["sketch"],
     Stage(
         name="twigs",
         run=_sprout,
@@ -189,15 +182,7 @@ GROWING: tuple[Stage, ...] = (
         seeded=True,
         share=0.3,
     ),
-    Stage(
-        name="meshing",
-        run=run_meshing,
-        inputs=("skeleton",),
-        outputs=("wood",),
-        params=("meshing",),
-        kernels=("sweep_rings",),
-        share=0.5,
-    ),
+    _SHARED["meshing"],
     Stage(
         name="bark",
         run=_bark,
@@ -225,28 +210,7 @@ GROWING: tuple[Stage, ...] = (
         seeded=True,
         share=0.4,
     ),
-    Stage(
-        name="assembly",
-        run=run_assembly,
-        inputs=("skeleton", "wood", "bark", "foliage", "height"),
-        outputs=("tree",),
-        share=0.01,
-    ),
-    Stage(
-        name="equipping",
-        run=run_equipping,
-        inputs=("tree",),
-        outputs=("asset",),
-        params=("meshing", "asset", "wind", "collision"),
-        seeded=True,
-        kernels=("sweep_rings",),
-        share=0.5,
-    ),
-    Stage(
-        name="closing",
-        run=run_closing,
-        inputs=("wood",),
-        outputs=("watertight",),
-        share=0.05,
-    ),
+    _SHARED["assembly"],
+    _SHARED["equipping"],
+    _SHARED["closing"],
 )
