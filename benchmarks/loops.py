@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from benchmarks.cases import Case, print_cases, time_programs, write_report
 from benchmarks.peers.cast_rays_numpy import cast_rays_numpy
+from benchmarks.peers.choose_cover_scipy import choose_cover_scipy
 from benchmarks.peers.fit_depths_scipy import fit_depths_scipy
 from benchmarks.peers.sweep_rings_numpy import place_numpy
 from flowtree import check
@@ -22,6 +23,8 @@ from flowtree.attraction.build_direction_field import build_direction_field
 from flowtree.density.fit_depths import fit_depths
 from flowtree.density.footprint_matrix import footprint_matrix
 from flowtree.density.solve_density import solve_density
+from flowtree.geometry.choose_cover import choose_cover
+from flowtree.geometry.cover_canvas import lay_canvas
 from flowtree.geometry.polylines import nearest_on_segments
 from flowtree.meshing.sweep_rings import sweep_rings
 from flowtree.model.attractor import AttractorGraph
@@ -40,6 +43,7 @@ RESIDUAL, SOLVE_SECONDS = 1e-3, {64: 0.5, 128: 4.0}
 
 _VIEWS = {64: (10.0, 75.0), 128: (5.0, 50.0, 99.0, 140.0)}  # angles at which nothing falls into place
 _ROUNDS = 200
+_OTHERWISE = 0.01  # share of leaves about which two programs may decide differently
 
 
 def main(argv: list[str]) -> int:
@@ -64,6 +68,7 @@ def time_loops(
     branches: int = 20_000,
     leaves: int = 20_000,
     size: int = 384,
+    things: int = 70_000,
 ) -> list[Case]:
     """All hot loops, kernel and library in turn in this process, each result compared before its time counts.
 
@@ -74,13 +79,14 @@ def time_loops(
         branches: of the tree whose rings are swept.
         leaves: of the scene at which rays are cast.
         size: of its picture [pixels].
+        things: leaves of which some are chosen.
     """
     check.require(runs > 0, "--runs", "must be at least 1", runs, "give more")
     cases = []
     for side in sides:
         cases += _time_density(side, _VIEWS[128] if side > 64 else _VIEWS[64], runs)
     cases += _time_field(cells, runs) + _time_rings(branches, runs)
-    return cases + _time_rays(leaves, size, runs)
+    return cases + _time_rays(leaves, size, runs) + _time_cover(things, runs)
 
 
 def _time_density(side: int, yaws: tuple[float, ...], runs: int) -> list[Case]:
@@ -268,3 +274,29 @@ def _leaves(count: int) -> Scene:
         alpha=(np.arange(64).reshape(8, 8) % 3 > 0).astype(np.float32),
         cutoff=0.5,
     )
+
+
+def _time_cover(things: int, runs: int) -> list[Case]:
+    """Which of many leaves stay, so that two views show what their mattes want."""
+    random = np.random.default_rng(7)
+    side, metres = 256, 10.0
+    cameras = [Camera(yaw, metres / side, (side / 2, float(side)), side, side) for yaw in (0.0, 90.0)]
+    rows, columns = np.indices((side, side)) / side
+    alpha = np.where((rows - 0.45) ** 2 + (columns - 0.5) ** 2 < 0.16, 0.75 - 0.5 * rows, 0.0)
+    canvases = [lay_canvas(alpha.astype(np.float32), None, camera, cell=metres / 64) for camera in cameras]
+    centre = random.uniform((-4.0, 1.5, -4.0), (4.0, 9.5, 4.0), (things, 3))
+    along, across = random.normal(0.0, 0.08, (2, things, 3))
+    area = np.full(things, 0.5 * 0.16**2)
+    covers = [canvas.patch_covers(centre, along, across, area, samples=(4, 3)) for canvas in canvases]
+    given = {"batch": random.integers(0, 32, things), "chance": random.random(things)}
+    chosen = choose_cover(canvases, covers, **given)
+
+    def same(kept: NDArray[np.bool_]) -> bool:
+        # Sums in another order decide otherwise about few, and later ones see those.
+        return bool((kept != chosen).mean() < _OTHERWISE)
+
+    programs = {
+        "flowtree": lambda: choose_cover(canvases, covers, **given),
+        "scipy": lambda: choose_cover_scipy(canvases, covers, **given),
+    }
+    return time_programs("choose_cover", things, programs, validate=same, runs=runs)

@@ -10,7 +10,7 @@ from benchmarks import loops
 from benchmarks.__main__ import run
 from benchmarks.cases import Case
 
-SMALL = {"sides": (16,), "cells": 10, "branches": 60, "leaves": 80, "size": 24}
+SMALL = {"sides": (16,), "cells": 10, "branches": 60, "leaves": 80, "size": 24, "things": 900}
 
 
 @pytest.fixture(scope="module")
@@ -33,6 +33,7 @@ def test_every_kernel_has_its_library(cases):
         "direction_field": {"flowtree", "scipy"},
         "sweep_rings": {"flowtree", "numpy"},
         "cast_rays": {"flowtree", "numpy"},
+        "choose_cover": {"flowtree", "scipy"},
     }
 
 
