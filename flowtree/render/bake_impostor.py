@@ -14,16 +14,20 @@ from flowtree.model.asset import Card
 from flowtree.model.mesh import Material, TreeMesh
 from flowtree.model.tree import TreeModel
 from flowtree.render.assemble_scene import Scene, assemble_scene, corner_points
-from flowtree.render.cast_scene import ParallelView
+from flowtree.render.cast_scene import ParallelView, cast_scene
 from flowtree.render.dilate_colors import dilate_colors
 from flowtree.render.keep_coverage import keep_coverage
+from flowtree.render.render_mask import pixel_share
+from flowtree.render.share_cards import share_cards
 from flowtree.render.view_tree_from import texture_pyramids, view_tree_from
 
 _CUTOFF = 0.5
 _MARGIN = 1.0 / 32.0  # of a picture, kept free on every side: its halved pictures do not show its neighbours
 _SAMPLES = 3
+_SHARING_SAMPLES = 6
 _YAWS = (0.0, 60.0, 120.0)  # [degrees], of the crossed cards
-_BEHIND = np.float32(0.7)  # of a crossed card's optical depth: others stand before and behind it
+_CELLS = 64  # along the height, in which the crossed cards' density is shared out
+_VIEWS = 12  # over half a turn, from which it is
 _LEAST = 8  # pixels of a picture
 
 
@@ -46,11 +50,43 @@ class _Picture:
     upper: int
 
 
+@dataclass(frozen=True)
+class _Shares:
+    """What each crossed card is to cover.
+
+    Attributes:
+        cover: (c, h, w) in 0..1, rows from the top, columns about the y axis.
+        cell: side of a cell [m].
+        top: height of the first row's upper edge [m].
+    """
+
+    cover: NDArray[np.float64]
+    cell: float
+    top: float
+
+    def at(
+        self, card: int, foot: tuple[float, float], pixel: float, shape: tuple[int, ...]
+    ) -> NDArray[np.float32]:
+        """Between the cells' centres, in a picture's pixels."""
+        cover: NDArray[np.float32] = self.cover[card].astype(np.float32)
+        height = (foot[1] - np.arange(shape[0]) - 0.5) * pixel
+        across = (np.arange(shape[1]) + 0.5 - foot[0]) * pixel
+        places = ((self.top - height) / self.cell - 0.5, across / self.cell + 0.5 * cover.shape[1] - 0.5)
+        for axis, place in enumerate(places):
+            low = np.clip(np.floor(place).astype(np.int64), 0, cover.shape[axis] - 1)
+            high = np.minimum(low + 1, cover.shape[axis] - 1)
+            part = np.clip(place - low, 0.0, 1.0).astype(np.float32)
+            part = part[:, None] if axis == 0 else part[None, :]
+            cover = (1 - part) * np.take(cover, low, axis) + part * np.take(cover, high, axis)
+        return np.asarray(cover, np.float32)
+
+
 def bake_crossed(tree: TreeModel, *, size: int = 1024, device: str | None = None) -> Card:
     """Three upright cards that cross in the trunk, seen from yaw 0, 60 and 120.
 
     The texture shows the pictures side by side, yaw 0 on the left; seen from behind a card shows the same. It
-    has colours without light, alpha for an alpha test at 0.5 (see `keep_coverage`) and normals in the
+    has colours without light, alpha for an alpha test at 0.5 (see `keep_coverage`), of each card so much that
+    all together hide what the tree does (see `share_cards`), and normals in the
     card's own tangent space. Where nothing is seen the colours go on (see `dilate_colors`).
 
     Args:
@@ -78,15 +114,9 @@ def bake_crossed(tree: TreeModel, *, size: int = 1024, device: str | None = None
         middle = 0.5 * (left + right) * axes[0] + np.array([0.0, 0.5 * (low[1] + high[1]), 0.0])
         half = (0.5 * pixel * columns, 0.5 * pixel * rows)
         pictures.append(_Picture(axes, middle, half, number * columns, 0))
-    material = _bake(
-        scene,
-        pictures,
-        (columns, rows),
-        (len(pictures) * columns, rows),
-        "impostor_crossed",
-        device,
-        tested=True,
-    )
+    shares = _share(scene, float(low[1]), tall, device)
+    whole = (len(pictures) * columns, rows)
+    material = _bake(scene, pictures, (columns, rows), whole, "impostor_crossed", device, shares)
     return Card("crossed", _cards(pictures, (columns, rows), (len(pictures) * columns, rows)), material)
 
 
@@ -133,7 +163,7 @@ def bake_octahedral(tree: TreeModel, *, size: int = 1024, frames: int = 8, devic
         for out, i, j in zip(toward, column.ravel(), row.ravel(), strict=True)
     ]
     whole = (frames * side, frames * side)
-    material = _bake(scene, pictures, (side, side), whole, "impostor_octahedral", device, tested=False)
+    material = _bake(scene, pictures, (side, side), whole, "impostor_octahedral", device)
     front = pictures[int(np.argmax(toward[:, 2]))]
     ahead = _Picture(level_axes(np.array([0.0, 0.0, 1.0])), middle, front.half, front.left, front.upper)
     return Card("octahedral", _cards([ahead], (side, side), whole), material, frames)
@@ -148,6 +178,24 @@ def _bounds(tree: TreeModel) -> tuple[Scene, NDArray[np.float32], NDArray[np.flo
     return scene, points.min(axis=1), points.max(axis=1)
 
 
+def _share(scene: Scene, bottom: float, tall: float, device: str | None) -> _Shares:
+    """What each card is to cover, from pictures all around that are no finer than that."""
+    points = corner_points(scene)
+    reach = float(np.sqrt((points[0] ** 2 + points[2] ** 2).max()))
+    cell = max(tall, reach) / _CELLS
+    width, height = 2 * (int(reach / cell) + 1), int(tall / cell) + 1
+    yaws = np.asarray(np.arange(_VIEWS) * (180.0 / _VIEWS), np.float64)
+    foot = (0.5 * width, height + bottom / cell)
+    views = []
+    for yaw in yaws:
+        axes = level_axes(np.array([np.sin(np.radians(yaw)), 0.0, np.cos(np.radians(yaw))]))
+        view = ParallelView(axes, cell, foot, width, height, _SHARING_SAMPLES)
+        hit = cast_scene(scene, view, any_hit=True, device=device).hit
+        views.append(pixel_share(hit, _SHARING_SAMPLES).astype(np.float64))
+    own = [views[int(np.argmin(np.abs(yaws - yaw)))] for yaw in _YAWS]
+    return _Shares(share_cards(own, np.array(_YAWS), views, yaws), cell, bottom + cell * height)
+
+
 def _bake(
     scene: Scene,
     pictures: list[_Picture],
@@ -155,15 +203,14 @@ def _bake(
     whole: tuple[int, int],
     name: str,
     device: str | None,
-    *,
-    tested: bool,
+    shares: _Shares | None = None,
 ) -> Material:
-    """The texture of all pictures; sizes are (columns, rows) [pixels]."""
+    """The texture of all pictures, sizes (columns, rows) [pixels]; with shares it is for an alpha test."""
     columns, rows = picture
     pyramids = texture_pyramids(scene)
     color = np.zeros((whole[1], whole[0], 4), np.uint8)
     normal = np.empty((whole[1], whole[0], 3), np.uint8)
-    for each in pictures:
+    for number, each in enumerate(pictures):
         pixel = 2.0 * each.half[0] / columns
         foot = (
             0.5 * columns - float(each.middle @ each.axes[0]) / pixel,
@@ -176,7 +223,9 @@ def _bake(
         facing = filled[:, :, 3:] / np.maximum(length, np.float32(1e-6))
         area = (slice(each.upper, each.upper + rows), slice(each.left, each.left + columns))
         color[area][:, :, :3] = encode_srgb_bytes(filled[:, :, :3])
-        alpha = keep_coverage(1 - (1 - seen.alpha) ** _BEHIND, _CUTOFF) if tested else seen.alpha
+        alpha = seen.alpha
+        if shares is not None:
+            alpha = keep_coverage(alpha, _CUTOFF, shares.at(number, foot, pixel, alpha.shape))
         color[area][:, :, 3] = np.rint(255.0 * alpha)
         normal[area] = np.rint(127.5 * (facing + 1.0))
     return Material(name, color, normal=normal, double_sided=True, alpha_cutoff=_CUTOFF)

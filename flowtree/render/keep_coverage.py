@@ -9,7 +9,7 @@ Floats = NDArray[np.float32]
 _BLOCK = 8  # pixels
 
 
-def keep_coverage(alpha: Floats, cutoff: float) -> Floats:
+def keep_coverage(alpha: Floats, cutoff: float, share: Floats | None = None) -> Floats:
     """Bends alpha so that of every part of the picture the share above the cut-off is its mean alpha.
 
     A crown of twigs thinner than a pixel has alpha below the cut-off everywhere: the test would let nothing
@@ -20,16 +20,18 @@ def keep_coverage(alpha: Floats, cutoff: float) -> Floats:
     Args:
         alpha: (h, w) in 0..1.
         cutoff: of the alpha test, inside 0..1.
+        share: (h, w) in 0..1, to be above the cut-off instead of the mean alpha.
 
     Returns: (h, w) in 0..1.
     """
     rows, columns = alpha.shape
-    padded = np.pad(alpha, [(0, -rows % _BLOCK), (0, -columns % _BLOCK)])
-    down, across = (side // _BLOCK for side in padded.shape)
-    blocks = padded.reshape(down, _BLOCK, across, _BLOCK).transpose(0, 2, 1, 3).reshape(down, across, -1)
+    blocks = _blocks(alpha)
     order = np.sort(blocks, axis=2)[:, :, ::-1]
     size = _BLOCK * _BLOCK
-    count = np.rint(blocks.sum(axis=2, dtype=np.float64)).astype(np.int64)
+    covered = blocks if share is None else _blocks(share)
+    count = np.rint(covered.sum(axis=2, dtype=np.float64)).astype(np.int64)
+    # Nothing is covered where nothing is.
+    count = np.minimum(count, (blocks > 0).sum(axis=2))
     within = np.take_along_axis(order, np.clip(count - 1, 0, size - 1)[:, :, None], 2)[:, :, 0]
     beyond = np.take_along_axis(order, np.clip(count, 0, size - 1)[:, :, None], 2)[:, :, 0]
     between = 0.5 * (within + beyond)
@@ -47,3 +49,11 @@ def keep_coverage(alpha: Floats, cutoff: float) -> Floats:
     below = cutoff * alpha / smooth
     above = cutoff + (1 - cutoff) * (alpha - smooth) / (1 - smooth)
     return np.asarray(np.clip(np.where(alpha < smooth, below, above), 0.0, 1.0), np.float32)
+
+
+def _blocks(picture: Floats) -> Floats:
+    """The pixels (down, across, 64) of each block; 0 beyond the edge."""
+    rows, columns = picture.shape
+    padded = np.pad(picture, [(0, -rows % _BLOCK), (0, -columns % _BLOCK)])
+    down, across = (side // _BLOCK for side in padded.shape)
+    return padded.reshape(down, _BLOCK, across, _BLOCK).transpose(0, 2, 1, 3).reshape(down, across, -1)
