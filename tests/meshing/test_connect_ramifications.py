@@ -174,6 +174,22 @@ def test_a_tube_of_eight_sides_is_a_regular_one():
     assert bend[np.abs(place[:, 1] - 2.8) < 1.5].max() < 45.5
 
 
+def test_branches_that_crowd_each_other_are_soon_on_their_own_axes():
+    heights = 1.0 + 0.03 * np.arange(10)
+    trunk = [[0.0, 0.0, 0.0], *([0.0, y, 0.0] for y in heights), [0.0, 3.0, 0.0]]
+    tips = [[1.3, y, 0.0] for y in heights]
+    parent = np.array([*range(-1, 11), *range(1, 11)])
+    made = skeleton_of(parent, np.array(trunk + tips), np.random.default_rng(0))
+    radius = np.array([0.1] * 12 + [0.06] * 10, np.float32)
+    mesh = connect_ramifications(
+        dataclasses.replace(made, radius=radius), params=MeshingParams(root_flare=0.0)
+    )
+    far = (mesh.node >= 12) & (np.abs(mesh.positions[:, 0] - 0.5) < 0.1)
+    place, axis = mesh.positions[far], made.points[mesh.node[far]]
+    off = np.hypot(place[:, 1] - axis[:, 1], place[:, 2] - axis[:, 2])
+    assert np.abs(off / 0.06 - 1.0).max() < 0.08
+
+
 def test_the_foot_stands_flat_on_the_ground():
     mesh = connect_ramifications(bent_branch(), params=MeshingParams(root_flare=0.5))
     assert mesh.positions[:, 1].min() == 0.0
