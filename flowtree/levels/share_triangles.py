@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 # Measured on bare crowns of 4,000 to 27,000 branches: with these the wood was likest to the finest one's.
-_TOLERANCE, _FALLS = 0.017, 0.6  # with one triangle a branch, and with more
+_TOLERANCE, _FALLS = 0.0145, 0.6  # with one triangle a branch, and with more
 _FINEST, _COARSEST = 0.001, 0.08
 _THICKENING, _THICKEST = 0.3, 0.003  # of the tolerance; above this a crown becomes a bundle of thorns
 _SIDES, _FULL, _FEWER = 12, 60_000, 0.3

@@ -30,12 +30,12 @@ _LEAST = 64  # triangles, which may become fewer no more
 _COARSEST = {"sides": 3, "tolerance": 0.2}  # of meshing, for a trunk that is too fine for its budget
 _NEAR_ENOUGH = 0.94  # of the wood's triangles: more than this are used where there are branches left
 _TRIES, _SETTLED = 8, 1
-_REFINED, _ROOMY = 3, 1.1
+_REFINED, _ROOMY = 2, 1.1
 _FEWEST, _USUAL = 2, 3  # triangles of a branch
 _SPRAYED, _LARGEST_SPRAY = 2.2, 12  # leaves for each that is kept, from which on a card shows many; at most
 _LOST = 1.2  # by which the surface of coarse wood is usually less than it was
 _MOST_SHARE = 1.6
-_ENOUGH = 0.97  # of the surface: with less of it, fewer branches that are thick enough are likelier
+_ENOUGH = 0.9  # of the surface: with less of it, fewer branches that are thick enough are likelier
 
 _Wood = tuple[Skeleton, NDArray[np.int32], TreeMesh]
 
