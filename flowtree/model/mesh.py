@@ -60,7 +60,7 @@ class TreeMesh:
 
 @dataclass(frozen=True)
 class QuadMesh:
-    """A closed surface of quads, world frame; vertices are shared, so its texture coordinates are the corners'.
+    """A closed surface of quads, world frame; vertices are shared, so texture coordinates are the corners'.
 
     Attributes:
         positions: (n, 3) float32 [m].
