@@ -50,6 +50,17 @@ class BranchAxes:
         whole: Floats = self.arc()[self.last]
         return whole
 
+    def tangents(self) -> Floats:
+        """(k, 3) halfway between the directions of two segments that meet; the earlier where they cancel."""
+        segment = unit(np.diff(self.center, axis=0))
+        within = (self.chain[1:] == self.chain[:-1])[:, None]
+        segment = np.where(within, segment, 0.0)
+        none = np.zeros((1, 3))
+        before, after = np.concatenate([none, segment]), np.concatenate([segment, none])
+        both = before + after
+        back = np.linalg.norm(both, axis=1) < 0.1
+        return unit(np.where(back[:, None], before, both))
+
     def at(self, rows: NDArray[np.bool_] | Ints) -> BranchAxes:
         """Some of the rows; every branch must keep one."""
         return BranchAxes(self.center[rows], self.radius[rows], self.chain[rows], self.node[rows])

@@ -107,7 +107,7 @@ def trace_curves(skeleton: Skeleton, *, device: str | None = None) -> BranchCurv
     axes = BranchAxes(rows.center, rows.radius, number[rows.chain], rows.node)
     arc, length = axes.arc(), axes.length()
     host, fork_row = _hosts(chains, parent, begin, alive, np.cumsum(kept) - 1)
-    tangent = row_tangents(axes)
+    tangent = axes.tangents()
     one, _ = transport_frames(axes.center, tangent, axes.chain, device=device)
     return BranchCurves(
         axes=axes,
@@ -140,18 +140,6 @@ def _hosts(chains: Chains, parent: Ints, begin: Ints, alive: np.ndarray, kept_ro
     # A trunk of no length leaves branches without a host: the first of them takes its place.
     host[0], row[0] = -1, 0
     return host, row
-
-
-def row_tangents(axes: BranchAxes) -> Floats:
-    """Halfway between the directions of the two segments that meet; where they cancel, the earlier one."""
-    segment = unit(np.diff(axes.center, axis=0))
-    within = (axes.chain[1:] == axes.chain[:-1])[:, None]
-    segment = np.where(within, segment, 0.0)
-    none = np.zeros((1, 3))
-    before, after = np.concatenate([none, segment]), np.concatenate([segment, none])
-    both = before + after
-    back = np.linalg.norm(both, axis=1) < 0.1
-    return unit(np.where(back[:, None], before, both))
 
 
 def any_across(along: Floats) -> Floats:

@@ -189,7 +189,7 @@ def _cap(axes: BranchAxes, radius: Floats, sides: Ints, root: NDArray[np.bool_])
     """Adds the rounded or pointed ends and works out tangents and slopes."""
     first = axes.first
     last = axes.last
-    tangent = _tangents(axes)
+    tangent = axes.tangents()
     # The foot stands flat on the ground even where the trunk leans.
     upright = root & (tangent[first, 1] > 0.5)
     tangent[first[upright]] = (0.0, 1.0, 0.0)
@@ -250,15 +250,3 @@ def _sharpen(rings: Rings, tolerance: float, widest: Floats, thin: NDArray[np.bo
     kept[(apex - cap)[sharp]] = False
     rows = {each.name: getattr(rings, each.name)[kept] for each in fields(rings) if each.name != "sides"}
     return replace(rings, **rows | {"radius": radius[kept]}, sides=np.where(short & thin, 2, rings.sides))
-
-
-def _tangents(axes: BranchAxes) -> Floats:
-    """Halfway between the directions of the two segments that meet; where they cancel, the earlier one."""
-    segment = unit(np.diff(axes.center, axis=0))
-    within = (axes.chain[1:] == axes.chain[:-1])[:, None]
-    segment = np.where(within, segment, 0.0)
-    none = np.zeros((1, 3))
-    before, after = np.concatenate([none, segment]), np.concatenate([segment, none])
-    both = before + after
-    back = np.linalg.norm(both, axis=1) < 0.1
-    return unit(np.where(back[:, None], before, both))

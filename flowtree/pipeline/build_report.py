@@ -52,7 +52,7 @@ def build_report(
         mattes: one a view.
         cameras: one a view.
         placements: one a view: what the cameras were made from.
-        soft_ious: of the tree with each view's matte.
+        soft_ious: of what is written with each view's matte.
         tree: the result.
         watertight: whether its wood's surface is closed.
         seconds: that each stage took.
