@@ -229,7 +229,8 @@ def _smaller(camera: Camera) -> Camera:
     ratio = max(1.0, max(camera.width, camera.height) / 512.0)
     width, height = (max(1, int(np.ceil(side / ratio))) for side in (camera.width, camera.height))
     foot = (camera.foot[0] / ratio, camera.foot[1] / ratio)
-    return Camera(camera.yaw, camera.metres_per_pixel * ratio, foot, width, height)
+    scale = camera.metres_per_pixel * ratio
+    return replace(camera, metres_per_pixel=scale, foot=foot, width=width, height=height)
 
 
 def _triangles(tree: TreeModel) -> int:

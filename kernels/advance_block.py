@@ -186,9 +186,13 @@ def advance_block(
             scale_v = 1.0 / fields.cell[view][1]
             shift_u = fields.corner[view][0] * scale_u + 0.5
             shift_v = fields.corner[view][1] * scale_v + 0.5
+            toward = fields.toward[view]
+            eye = fields.eye[view]
             for q in range(BLOCK):
-                u = (right[0] * tx[q] + right[1] * ty[q] + right[2] * tz[q]) * scale_u - shift_u
-                v_ = ty[q] * scale_v - shift_v
+                nearer = toward[0] * tx[q] + toward[1] * ty[q] + toward[2] * tz[q]
+                larger = 1.0 / wp.max(1.0 - nearer, 0.1)
+                u = (right[0] * tx[q] + right[1] * ty[q] + right[2] * tz[q]) * larger * scale_u - shift_u
+                v_ = (eye + (ty[q] - eye) * larger) * scale_v - shift_v
                 u = wp.min(wp.max(u, 0.0), last_u)
                 v_ = wp.min(wp.max(v_, 0.0), last_v)
                 column = wp.min(int(u), columns - 2)

@@ -15,6 +15,8 @@ class FlowFields:
     corner: (views,) [m], lower left corner of cell (0, 0).
     cell: (views,) [m], width and height of a cell.
     right: (views,) image-right in the world.
+    toward: (views,) toward the eye over its distance [1/m]; 0 for a parallel projection.
+    eye: (views,) height of the eye [m].
     combine: brings the sum of the views' world vectors to their average.
     route: (nx, ny, nz) along the shortest way to the foot, at the points of a box; of length 1 in the crown,
         up to 2 in the air, where the route alone is followed.
@@ -30,6 +32,8 @@ class FlowFields:
     corner: wp.array[wp.vec2]
     cell: wp.array[wp.vec2]
     right: wp.array[wp.vec3]
+    toward: wp.array[wp.vec3]
+    eye: wp.array[float]
     combine: wp.mat33
     route: wp.array3d[wp.vec3]
     route_corner: wp.vec3
@@ -39,12 +43,25 @@ class FlowFields:
 
 
 @wp.func
+def seen_larger(toward: wp.vec3, at: wp.vec3):
+    """How many times as large as at the tree's axis an eye sees what is there; 1 in a parallel projection.
+
+    ``toward`` is the direction to the eye over its distance. What is nearer to the eye than a tenth of that
+    counts as being as far.
+    """
+    return 1.0 / wp.max(1.0 - wp.dot(toward, at), 0.1)
+
+
+@wp.func
 def view_vector(fields: FlowFields, view: int, at: wp.vec3):
     """Bilinear value of one view's field; points outside take the value at its border."""
     rows = fields.vectors.shape[1]
     columns = fields.vectors.shape[2]
-    u = (wp.dot(fields.right[view], at) - fields.corner[view][0]) / fields.cell[view][0] - 0.5
-    v = (at[1] - fields.corner[view][1]) / fields.cell[view][1] - 0.5
+    larger = seen_larger(fields.toward[view], at)
+    across = wp.dot(fields.right[view], at) * larger
+    height = fields.eye[view] + (at[1] - fields.eye[view]) * larger
+    u = (across - fields.corner[view][0]) / fields.cell[view][0] - 0.5
+    v = (height - fields.corner[view][1]) / fields.cell[view][1] - 0.5
     u = wp.clamp(u, 0.0, float(columns - 1))
     v = wp.clamp(v, 0.0, float(rows - 1))
     j = wp.min(int(u), columns - 2)

@@ -43,10 +43,15 @@ def smooth_noise(rng, shape, waves=3):
     return total / waves
 
 
-def chance_fields(seed, yaws=(0.0, 90.0), size=9):
-    """Smooth random fields over a tree of 2 m, and a random route: what the twins read."""
+def chance_fields(seed, yaws=(0.0, 90.0), size=9, closeness=0.0):
+    """Smooth random fields over a tree of 2 m, and a random route: what the twins read.
+
+    ``closeness`` is one over the distance of the last view's eye; other views are parallel projections.
+    """
     rng = np.random.default_rng(seed)
     rights = np.array([view_axes(yaw)[0] for yaw in yaws])
+    toward = np.array([view_axes(yaw)[2] for yaw in yaws])
+    toward *= closeness * (np.arange(len(yaws)) == len(yaws) - 1)[:, None]
     seen = sum(np.outer(right, right) + np.diag([0.0, 1.0, 0.0]) for right in rights)
     vectors = np.stack([smooth_noise(rng, (size, size + 2)) for _ in range(2 * len(yaws))])
     vectors = vectors.reshape(len(yaws), 2, size, size + 2).transpose(0, 2, 3, 1)
@@ -58,6 +63,8 @@ def chance_fields(seed, yaws=(0.0, 90.0), size=9):
         corner=np.tile(np.float32([-1.1, -0.1]), (len(yaws), 1)),
         cell=np.tile(np.float32([0.2, 0.25]), (len(yaws), 1)),
         right=rights.astype(np.float32),
+        toward=toward.astype(np.float32),
+        eye=np.full(len(yaws), 0.4, np.float32),
         combine=np.linalg.pinv(seen).astype(np.float32),
         route=route.astype(np.float32),
         route_corner=np.float32([-1.2, -0.1, -1.1]),
@@ -70,7 +77,8 @@ def chance_fields(seed, yaws=(0.0, 90.0), size=9):
 def upload_fields(fields, device):
     """The same for the kernels."""
     out = FlowFields()
-    for name, dtype in (("vectors", wp.vec2), ("corner", wp.vec2), ("cell", wp.vec2), ("right", wp.vec3)):
+    kinds = {"vectors": wp.vec2, "corner": wp.vec2, "cell": wp.vec2, "right": wp.vec3, "toward": wp.vec3}
+    for name, dtype in {**kinds, "eye": wp.float32}.items():
         setattr(out, name, devices.upload(getattr(fields, name), dtype, device))
     out.combine = wp.mat33(*fields.combine.ravel().tolist())
     out.route = devices.upload(fields.route, wp.vec3, device)

@@ -104,6 +104,8 @@ def build_direction_field(
         np.array([left, bottom], np.float32),
         cell.astype(np.float32),
         camera.yaw,
+        camera.distance,
+        camera.eye,
     )
 
 

@@ -36,7 +36,7 @@ def clear_painted(limbs: LimbTree, cameras: Sequence[Camera], edits: Sequence[Pa
     for camera, edit in zip(cameras, edits, strict=True):
         if not edit.directions:
             continue
-        flat = to_plane(points, camera.yaw)
+        flat = to_plane(points, camera)
         share, tangent = _painted(flat, camera, edit)
         down = flat[np.maximum(parent, 0)] - flat
         down /= np.maximum(np.linalg.norm(down, axis=1, keepdims=True), 1e-12)
@@ -67,7 +67,7 @@ def fade_painted(field: LimbField, cameras: Sequence[Camera], edits: Sequence[Pa
     for camera, edit in zip(cameras, edits, strict=True):
         if edit.directions:
             place = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-            share, _ = _painted(to_plane(place, camera.yaw), camera, edit)
+            share, _ = _painted(to_plane(place, camera), camera, edit)
             vectors = vectors * (1.0 - share).reshape(*vectors.shape[:3], 1).astype(np.float32)
     return LimbField(vectors, field.corner, field.spacing)
 

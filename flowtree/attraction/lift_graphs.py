@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from flowtree import check
 from flowtree.geometry.parent_array import parents_first
 from flowtree.geometry.polylines import arc_lengths, nearest_on_segments, smooth_polyline
-from flowtree.geometry.projection import to_plane, view_axes
+from flowtree.geometry.projection import Sight, from_plane, growth, lines_of_sight, to_plane, view_axes
 from flowtree.model.attractor import AttractorGraph, LimbTree
 from flowtree.model.volume import DensityVolume
 
@@ -34,7 +34,7 @@ _USUAL = 0.5  # quantile of the density that counts as solid
 _Array = NDArray[np.float64]
 
 
-def lift_graphs(graphs: Sequence[AttractorGraph], yaws: Sequence[float], volume: DensityVolume) -> LimbTree:
+def lift_graphs(graphs: Sequence[AttractorGraph], sights: Sequence[Sight], volume: DensityVolume) -> LimbTree:
     """Finds for the branches seen in single views the limbs in space that look like them in every view.
 
     The paper never does this: it averages the views' 2D fields, and particles gather wherever a line of one
@@ -47,7 +47,7 @@ def lift_graphs(graphs: Sequence[AttractorGraph], yaws: Sequence[float], volume:
 
     Args:
         graphs: one a view, rooted at (0, 0).
-        yaws: of the views [degrees].
+        sights: of the views.
         volume: the density.
 
     Returns: the limbs, the root at the origin, nodes at most about 1.5 % of the height apart.
@@ -60,7 +60,7 @@ def lift_graphs(graphs: Sequence[AttractorGraph], yaws: Sequence[float], volume:
     check.require(
         height > 0, "attractor graphs", "must rise from the foot", "none that does", "draw a branch"
     )
-    lifting = _Lifting(graphs, yaws, volume, height)
+    lifting = _Lifting(graphs, sights, volume, height)
     branches = [
         (weight, view, nodes) for view, graph in enumerate(graphs) for weight, nodes in _branches(graph)
     ]
@@ -69,7 +69,7 @@ def lift_graphs(graphs: Sequence[AttractorGraph], yaws: Sequence[float], volume:
         lifting.add(view, nodes)
     count = lifting.count
     order, parent = parents_first(lifting.parent[:count])
-    points, radius = lifting.points[:count][order], lifting.radius[:count][order]
+    points, radius = lifting.points[:count][order], lifting.radii()[order]
     return LimbTree(parent, points.astype(np.float32), radius.astype(np.float32))
 
 
@@ -138,13 +138,12 @@ class _Lifting:
         count: of nodes; the arrays hold room for more.
         parent: of each node; the root's is -1.
         points: of each node [m].
-        radius: of each node [m], NaN where no view shows how thick it is.
     """
 
     def __init__(
         self,
         graphs: Sequence[AttractorGraph],
-        yaws: Sequence[float],
+        sights: Sequence[Sight],
         volume: DensityVolume,
         height: float,
     ) -> None:
@@ -152,12 +151,12 @@ class _Lifting:
         self.count = 1
         self.parent = np.full(room, -1, np.int64)
         self.points = np.zeros((room, 3))
-        self.radius = np.full(room, np.nan)
+        self._half_width = np.full((len(graphs), room), np.nan)  # as each view shows it [m]
         self._view = np.full(room, -1)
         self._settled = np.zeros((len(graphs), room), np.bool_)  # nodes that look like a line of a view
         self._graphs, self._height = graphs, height
-        self._axes = [view_axes(yaw) for yaw in yaws]
-        self._yaws = yaws
+        self._axes = [view_axes(sight.yaw) for sight in sights]
+        self._sights = sights
         self._limb_of = [np.zeros(len(graph.parent), np.int64) for graph in graphs]
         self._taken = [np.zeros(len(graph.parent), np.bool_) for graph in graphs]
         smooth = gaussian_filter(volume.density.astype(np.float64), 0.7)
@@ -180,18 +179,24 @@ class _Lifting:
             return
         at = int(self._limb_of[view][nodes[known]])
         depth = self._find_depth(view, line[known:], at)[1:]
-        right, up, toward = self._axes[view]
         new = nodes[known + 1 :]
         place = np.arange(self.count, self.count + len(new))
         self.parent[place] = np.concatenate([[at], place[:-1]])
-        rest = line[known + 1 :]
-        self.points[place] = rest[:, :1] * right + rest[:, 1:] * up + depth[:, None] * toward
-        self.radius[place] = self._thickness(view, new)
+        self.points[place] = from_plane(line[known + 1 :], depth, self._sights[view])
+        self._half_width[view][place] = self._thickness(view, new)
         self._view[place] = view
         self._settled[view][place] = True
         self._limb_of[view][new] = place
         self.count += len(new)
         self._mark_taken(self.points[place])
+
+    def radii(self) -> _Array:
+        """Of each node [m], as the view has it that shows it thinnest; NaN where no view shows how thick."""
+        points = self.points[: self.count]
+        radius = np.full(self.count, np.nan)
+        for half, sight in zip(self._half_width, self._sights, strict=True):
+            radius = np.fmin(radius, half[: self.count] / growth(points, sight))
+        return radius
 
     def _thickness(self, view: int, nodes: list[int]) -> _Array:
         half = self._graphs[view].half_width
@@ -203,7 +208,7 @@ class _Lifting:
         Sets the limb's nodes that they belong to.
         """
         start = int(self._limb_of[view][nodes[0]])
-        flat = to_plane(self.points[: self.count], self._yaws[view])
+        flat = to_plane(self.points[: self.count], self._sights[view])
         same = _SAME * self._height
         near = np.flatnonzero(
             ((flat > line.min(axis=0) - same) & (flat < line.max(axis=0) + same)).all(axis=1)
@@ -226,8 +231,9 @@ class _Lifting:
         # A lighter branch that begins beside a heavier one must neither bend nor thin it.
         fresh = ~self._settled[view][way]
         self._settled[view][way] = True
-        half = np.where(fresh, self._thickness(view, nodes)[come], np.nan)
-        self.radius[way] = np.fmin(self.radius[way], half)
+        self._half_width[view][way] = np.where(
+            fresh, self._thickness(view, nodes)[come], self._half_width[view][way]
+        )
         self._draw_onto(view, np.array(way)[fresh], line)
         return known
 
@@ -238,7 +244,8 @@ class _Lifting:
         movable = (self._view[: self.count] != view) & (np.abs(sees) > _SEES)
         if not movable[way].any():
             return
-        aside = _height_offset(line, to_plane(self.points[way], self._yaws[view]))
+        there = self._sights[view]
+        aside = _height_offset(line, to_plane(self.points[way], there)) / growth(self.points[way], there)
         shift = np.zeros(self.count)
         shift[way] = np.divide(aside, sees[way], out=np.zeros(len(way)), where=movable[way])
         front = way
@@ -249,15 +256,19 @@ class _Lifting:
             free = (self._view[front] >= 0) & ~self._settled[view][front]
             shift[front] = _FADE * shift[self.parent[front]] * free
             done[front] = True
-        toward = np.array([np.zeros(3), *(axes[2] for axes in self._axes)])[self._view[: self.count] + 1]
-        self.points[: self.count] += shift[:, None] * toward
+        for own, sight in enumerate(self._sights):
+            moved = np.flatnonzero((self._view[: self.count] == own) & (shift != 0.0))
+            self.points[moved] += shift[moved, None] * lines_of_sight(self.points[moved], sight)
 
     def _find_depth(self, view: int, line: _Array, at: int) -> _Array:
         """Depth (n,) [m] toward the camera of the points of a line that starts at a limb's node."""
-        right, up, toward = self._axes[view]
+        toward = self._axes[view][2]
         depths = self._depths
         begin = float(np.clip(self.points[at] @ toward, depths[0], depths[-1]))
-        place = line[:, None, :1] * right + line[:, None, 1:] * up + depths[None, :, None] * toward
+        shape = (len(line), len(depths))
+        place = from_plane(
+            np.broadcast_to(line[:, None], (*shape, 2)), np.broadcast_to(depths, shape), self._sights[view]
+        )
         price = self._price(view, place)
         step = np.maximum(np.linalg.norm(np.diff(line, axis=0), axis=1), 1e-9)
         gain = np.abs(depths[:, None] - depths[None, :])
@@ -290,7 +301,7 @@ class _Lifting:
         for other in range(len(self._graphs)):
             if other == view or abs(float(self._axes[other][2] @ self._axes[view][2])) > 0.995:
                 continue
-            flat = to_plane(place.reshape(-1, 3), self._yaws[other])
+            flat = to_plane(place.reshape(-1, 3), self._sights[other])
             off = np.full(len(flat), 1.0)
             for lines, least in zip(self._map_distances(other), (0.0, _SHARED), strict=True):
                 away = np.maximum(lines.at(flat) / self._height - _ON, 0.0) / (_NEAR - _ON)
@@ -302,7 +313,7 @@ class _Lifting:
         """Remembers which lines of all views a new limb looks like."""
         for view, graph in enumerate(self._graphs):
             left = np.flatnonzero(~self._taken[view])
-            distance = cKDTree(to_plane(points, self._yaws[view])).query(graph.points[left])[0]
+            distance = cKDTree(to_plane(points, self._sights[view])).query(graph.points[left])[0]
             self._taken[view][left] = distance < _SAME * self._height
         self._distances.clear()
 

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+import warp as wp
 from numpy.typing import NDArray
 
+from flowtree import device as devices
 from flowtree.density.footprint_matrix import footprint_matrix
+from flowtree.density.upload_sights import upload_sights
+from flowtree.kernels.fit_sights import sum_sights
 from flowtree.model.camera import Camera
 from flowtree.model.volume import DensityVolume
 
@@ -21,18 +27,37 @@ def project_density(volume: DensityVolume, camera: Camera) -> NDArray[np.float32
     """
     nx, ny, nz = volume.density.shape
     cell = float(volume.voxel)
+    scale = camera.metres_per_pixel
     x = np.asarray(float(volume.origin[0]) + (np.arange(nx) + 0.5) * cell, np.float64)
     z = np.asarray(float(volume.origin[2]) + (np.arange(nz) + 0.5) * cell, np.float64)
     reach = float(np.hypot(np.abs(x).max() + cell, np.abs(z).max() + cell))
     columns = 2 * int(np.ceil(reach / cell))
     left = -columns / 2 * cell
-    matrix = footprint_matrix(x, z, camera.yaw, left=left, cell=cell, columns=columns)
-    flat = volume.density.transpose(0, 2, 1).reshape(nx * nz, ny).astype(np.float64)
-    alpha = -np.expm1(-np.asarray(matrix @ flat))
-    scale = camera.metres_per_pixel
+    if math.isfinite(camera.distance):
+        rows = math.ceil(max(camera.foot[1] * scale, 0.0) / cell) + 1
+        depth = _sum_sights(volume, camera, left, columns, rows)
+    else:
+        matrix = footprint_matrix(x, z, camera.yaw, left=left, cell=cell, columns=columns)
+        depth = np.asarray(matrix @ volume.density.transpose(0, 2, 1).reshape(nx * nz, ny).astype(np.float64))
+    alpha = -np.expm1(-depth)
     u = ((np.arange(camera.width) + 0.5 - camera.foot[0]) * scale - left) / cell - 0.5
     v = ((camera.foot[1] - np.arange(camera.height) - 0.5) * scale - volume.origin[1]) / cell - 0.5
     return _sample(alpha, np.asarray(u, np.float64), np.asarray(v, np.float64)).T.astype(np.float32)
+
+
+def _sum_sights(
+    volume: DensityVolume, camera: Camera, left: float, columns: int, rows: int
+) -> NDArray[np.float64]:
+    """Optical depths (columns, rows) along lines of sight through an eye."""
+    device = devices.pick_device(None)
+    cell, corner = float(volume.voxel), float(volume.origin[0])
+    views = upload_sights([camera], left=left, cell=cell, corner=corner, device=device)
+    box = devices.upload(volume.density * np.float32(cell), wp.float32, device)
+    every = devices.upload(np.ones((1, columns, rows), np.float32), wp.float32, device)
+    depth = devices.zeros((1, columns, rows), wp.float32, device)
+    inputs = [views, every, box, columns // 2]
+    devices.launch(sum_sights, columns * rows, inputs, [depth], device=device)
+    return np.asarray(depth.numpy()[0], np.float64)
 
 
 def _sample(grid: NDArray[np.float64], u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -36,6 +36,17 @@ class RoundSlices:
     profile: _Doubles
 
 
+def fill_box(prior: RoundSlices, side: int) -> NDArray[np.float32]:
+    """The slices as a box (side, rows, side) of voxels, the depth of each; beyond a profile its last."""
+    rows = len(prior.profile)
+    box = np.empty((side, rows, side), np.float32)
+    rings = np.arange(prior.profile.shape[1]) + 0.5
+    for row in range(rows):
+        far = np.linalg.norm(prior.place - prior.axis[row], axis=1)
+        box[:, row] = np.interp(far, rings, prior.profile[row]).reshape(side, side)
+    return box
+
+
 def round_slices(
     depths: Sequence[_Doubles], known: Sequence[_Known], yaws: Sequence[float], centres: _Doubles
 ) -> RoundSlices:

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from flowtree import check
 from flowtree import device as devices
 from flowtree.density.fit_depths import fit_depths
+from flowtree.density.fit_sights import fit_sights
 from flowtree.density.footprint_matrix import footprint_matrix
 from flowtree.density.guess_depths import guess_depths
 from flowtree.density.known_depths import known_depths
-from flowtree.density.round_slices import round_slices
+from flowtree.density.round_slices import RoundSlices, fill_box, round_slices
 from flowtree.kernels.fit_depths import LANES
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
@@ -72,8 +75,10 @@ def solve_density(
     More voxels raise what a tree reaches at the held-out views (0.573, 0.575, 0.577 with 64, 96, 128 of them
     along the height) and nothing at the input views.
 
-    Rows of views that do not hold the same total are first brought to their mean total, for a level slice of
-    one tree has only one; ``params.balance`` limits the correction.
+    Rows of parallel views that do not hold the same total are first brought to their mean total, for a level
+    slice of one tree has only one; ``params.balance`` limits the correction. Where a view looks through an
+    eye near the tree its rows cross many heights, and `fit_sights` takes the place of `fit_depths`, from the
+    same round tree; ``params.iterations`` and ``params.tolerance`` mean nothing then.
 
     Where a matte is unknown, and beyond a picture's border that the tree touches, rays neither carve nor
     count (`known_depths`): the other views and the round tree decide.
@@ -131,25 +136,53 @@ def solve_density(
     columns = 2 * int(np.ceil(half * np.sqrt(2.0))) + 2  # the box's diagonal
     left = -columns / 2 * cell
 
+    near = any(math.isfinite(camera.distance) for camera in cameras)
+
     def read(views: Sequence[Matte]) -> tuple[list[NDArray[np.float64]], list[NDArray[np.bool_]]]:
         seen = [
             known_depths(matte, camera, left=left, cell=cell, columns=columns, rows=rows)
             for matte, camera in zip(views, cameras, strict=True)
         ]
-        known = [sure for _, sure in seen]
-        return _balance_rows([depth for depth, _ in seen], known, params.balance), known
+        depths, known = [depth for depth, _ in seen], [sure for _, sure in seen]
+        return depths if near else _balance_rows(depths, known, params.balance), known
 
     depths, known = read(mattes)
-    shares = [
-        footprint_matrix(centres, centres, camera.yaw, left=left, cell=cell, columns=columns) / cell
-        for camera in cameras
-    ]
     usual = (depths, known) if habits is None else read(habits)
     prior = round_slices(*usual, [camera.yaw for camera in cameras], centres / cell)
     least = -float(np.log1p(-params.carve)) if params.carve < 1.0 else np.inf
-    side = len(centres)
+    chosen = devices.pick_device(device)
+    if near:  # boughs toward the viewer are seen above the top
+        start = fill_box(prior, len(centres))[:, : int(np.ceil(top / cell - 0.5)) + 1]
+        volume = fit_sights(
+            depths, known, cameras, start=start, left=left, cell=cell, least=least, device=chosen
+        )
+        volume /= np.float32(cell)
+    else:
+        shares = [
+            footprint_matrix(centres, centres, camera.yaw, left=left, cell=cell, columns=columns) / cell
+            for camera in cameras
+        ]
+        volume = _fit_slices(shares, depths, known, prior, least, cell, params, chosen)
+    check.require(
+        bool(volume.any()), "mattes", "must show one tree", "views that share nothing", "check yaw and foot"
+    )
+    origin = np.array([-half * cell, 0.0, -half * cell], np.float32)
+    return DensityVolume(density=volume, origin=origin, voxel=float(cell))
+
+
+def _fit_slices(
+    shares: Sequence[sparse.csr_array],
+    depths: Sequence[NDArray[np.float64]],
+    known: Sequence[NDArray[np.bool_]],
+    prior: RoundSlices,
+    least: float,
+    cell: float,
+    params: DensityParams,
+    device: str,
+) -> NDArray[np.float32]:
+    """Densities (side, rows, side) [1/m]: every height is its own problem; not all may fit into memory."""
+    side, rows = round(shares[0].shape[1] ** 0.5), depths[0].shape[1]
     volume = np.zeros((side, rows, side), np.float32)
-    # Every height is its own problem: not all at once where the memory would not hold them.
     few = max(LANES, _VOXELS_AT_ONCE // side**2 // LANES * LANES)
     filled = 1 + int(np.flatnonzero(np.any([depth.any(axis=0) for depth in depths], axis=0)).max(initial=-1))
     for low in range(0, filled, few):
@@ -160,17 +193,13 @@ def solve_density(
             least=least,
             iterations=params.iterations,
             tolerance=params.tolerance,
-            device=devices.pick_device(device),
+            device=device,
             known=[sure[:, low:high] for sure in known],
             prior=replace(prior, axis=prior.axis[low:high], profile=prior.profile[low:high]),
         )
         upright = fitted.reshape(-1, side, side, LANES).transpose(1, 0, 3, 2).reshape(side, -1, side)
         np.divide(upright[:, : high - low], np.float32(cell), out=volume[:, low:high])
-    check.require(
-        bool(volume.any()), "mattes", "must show one tree", "views that share nothing", "check yaw and foot"
-    )
-    origin = np.array([-half * cell, 0.0, -half * cell], np.float32)
-    return DensityVolume(density=volume, origin=origin, voxel=float(cell))
+    return volume
 
 
 def _checked(mattes: Sequence[Matte], cameras: Sequence[Camera]) -> list[Matte]:

@@ -36,7 +36,7 @@ def upload_fields(
         basin: nearer to the foot than this, the straight way to it takes over [m].
         device: where the kernels run.
     """
-    rights, combine = _look_from(tuple(field.yaw for field in fields))
+    rights, towards, combine = _look_from(tuple((field.yaw, field.distance) for field in fields))
     flow = FlowFields()
     flow.vectors = devices.hand_over(
         np.stack([f.vectors for f in fields]).astype(np.float32, copy=False), wp.vec2, device
@@ -44,6 +44,8 @@ def upload_fields(
     flow.corner = devices.hand_over(np.stack([f.origin for f in fields]).astype(np.float32), wp.vec2, device)
     flow.cell = devices.hand_over(np.stack([f.cell for f in fields]).astype(np.float32), wp.vec2, device)
     flow.right = devices.hand_over(rights, wp.vec3, device)
+    flow.toward = devices.hand_over(towards, wp.vec3, device)
+    flow.eye = devices.hand_over(np.array([f.eye for f in fields], np.float32), wp.float32, device)
     flow.combine = combine
     if route is None:
         flow.route, flow.route_spacing = _nowhere(device), 1.0
@@ -57,12 +59,23 @@ def upload_fields(
 
 
 @lru_cache(maxsize=16)
-def _look_from(yaws: tuple[float, ...]) -> tuple[NDArray[np.float32], Any]:
-    """(views, 3) image-right of each, and what averages a sum of their vectors component by component."""
-    rights = np.array([view_axes(yaw)[0] for yaw in yaws])
+def _look_from(
+    sights: tuple[tuple[float, float], ...],
+) -> tuple[NDArray[np.float32], NDArray[np.float32], Any]:
+    """What the kernels know of views at yaws [degrees] and distances [m].
+
+    Returns: (views, 3) image-right of each; (views, 3) toward the eye over its distance; what averages a sum
+        of the views' vectors component by component.
+    """
+    rights = np.array([view_axes(yaw)[0] for yaw, _ in sights])
+    towards = np.array([view_axes(yaw)[2] / distance for yaw, distance in sights])
     up = np.array([0.0, 1.0, 0.0])
     seen = sum(np.outer(right, right) + np.outer(up, up) for right in rights)
-    return rights.astype(np.float32), wp.mat33(*np.linalg.pinv(seen).ravel().tolist())
+    return (
+        rights.astype(np.float32),
+        towards.astype(np.float32),
+        wp.mat33(*np.linalg.pinv(seen).ravel().tolist()),
+    )
 
 
 @lru_cache(maxsize=4)

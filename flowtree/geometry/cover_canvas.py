@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,8 +12,8 @@ from numpy.typing import NDArray
 
 from flowtree.geometry.footprint_means import OPAQUE, footprint_means
 from flowtree.geometry.parent_array import main_child
-from flowtree.geometry.plane_grid import PlaneGrid
-from flowtree.geometry.projection import View, view_axes
+from flowtree.geometry.plane_grid import PlaneGrid, cover_picture
+from flowtree.geometry.projection import View, foreshorten, growth, view_axes
 
 FINE = 4  #: pixels of a canvas along a cell's side: about what a leaf is wide
 RING = 0.83  #: mean width of a twig's surface, rings of three corners, to that of a round twig
@@ -46,10 +47,11 @@ class CoverCanvas:
 
     def flat(self, points: _Floats) -> NDArray[np.float32]:
         """World points (n, 3) [m] as (n, 2) [pixels], image-right and up from the canvas' corner."""
-        return self.turn(points) - np.array([self.grid.left, self.grid.bottom], np.float32) / self._pixel
+        seen = self.turn(foreshorten(points, self.grid))
+        return seen - np.array([self.grid.left, self.grid.bottom], np.float32) / self._pixel
 
     def turn(self, vectors: _Floats) -> NDArray[np.float32]:
-        """World vectors (n, 3) [m] as (n, 2) [pixels]."""
+        """World vectors (n, 3) [m] at the plane through the axis as (n, 2) [pixels]."""
         right, _, _ = view_axes(self.grid.yaw)
         flat = np.empty((len(vectors), 2), np.float32)
         np.multiply(vectors[:, 0], right[0] / self._pixel, out=flat[:, 0], casting="same_kind")
@@ -113,7 +115,8 @@ class CoverCanvas:
         depth = self.depth - np.log1p(-np.minimum(cover, OPAQUE))
         # Thin branches cross each other at random, and what one covers of a pixel is its width.
         entries, pixels, share = self._sample_rods(*(part[~thick] for part in rods))
-        width = np.minimum(2 * wide[~thick] / self._pixel, OPAQUE)
+        middle = (rods[0] + rods[1])[~thick] / 2
+        width = np.minimum(2 * wide[~thick] * growth(middle, self.grid) / self._pixel, OPAQUE)
         deepen = -np.log1p(-width) / np.maximum(width, 1e-12)
         depth += np.bincount(pixels, share * np.repeat(deepen, entries), minlength=len(depth))
         return replace(self, depth=depth.astype(np.float32))
@@ -147,7 +150,7 @@ class CoverCanvas:
             centre: (n, 3) [m].
             along: (n, 3) from its one end to the other [m].
             aside: (n, 3) from its one side to the other [m].
-            area: (n,) that the view sees [m^2].
+            area: (n,) that a parallel projection sees [m^2].
             samples: along and aside.
 
         Returns: (n, pixels + 1).
@@ -156,6 +159,9 @@ class CoverCanvas:
         side = ((np.arange(samples[1]) + 0.5) / samples[1] - 0.5).astype(np.float32)
         way, side = np.repeat(way, samples[1]), np.tile(side, samples[0])
         middle, one, other = self.flat(centre), self.turn(along), self.turn(aside)
+        if math.isfinite(self.grid.distance):
+            large = growth(centre, self.grid).astype(np.float32)
+            one, other, area = one * large[:, None], other * large[:, None], area * large**2
         x, y = (middle[:, k, None] + one[:, k, None] * way + other[:, k, None] * side for k in (0, 1))
         each = len(way)
         share = np.repeat((area / (self._pixel**2 * each)).astype(np.float32), each)
@@ -172,8 +178,13 @@ class CoverCanvas:
 
         Returns: number of points of each rod, and all points' pixels and shares of a pixel.
         """
-        first, along = self.flat(start), self.turn(end - start)
         half = (radius / self._pixel).astype(np.float32)
+        if math.isinf(self.grid.distance):
+            first, along = self.flat(start), self.turn(end - start)
+        else:
+            first = self.flat(start)
+            along = self.flat(end) - first
+            half *= growth((start + end) / 2, self.grid).astype(np.float32)
         length = np.hypot(along[:, 0], along[:, 1])
         steps = np.maximum(np.ceil(fine * length), 1).astype(np.int32)
         across = np.maximum(np.where(2 * half > 1, np.ceil(fine * 2 * half), 1), 1).astype(np.int32)
@@ -217,12 +228,7 @@ def lay_canvas(
         view: where the pixels lie.
         cell: edge of a cell [m].
     """
-    scale = view.metres_per_pixel
-    first = int(np.floor(-view.foot[0] * scale / cell)) - _MARGIN
-    last = int(np.ceil((alpha.shape[1] - view.foot[0]) * scale / cell)) + _MARGIN
-    low = int(np.floor((view.foot[1] - alpha.shape[0]) * scale / cell)) - _MARGIN
-    high = int(np.ceil(view.foot[1] * scale / cell)) + _MARGIN
-    grid = PlaneGrid(view.yaw, first * cell, low * cell, cell, last - first, high - low)
+    grid = cover_picture(alpha.shape, view, cell=cell, margin=_MARGIN)
 
     def means(picture: NDArray[np.float32]) -> NDArray[np.float32]:
         box = {"left": grid.left, "bottom": grid.bottom, "columns": grid.columns, "rows": grid.rows}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,7 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from flowtree.geometry.footprint_means import footprint_means, optical_depth
-from flowtree.geometry.projection import View, to_plane
+from flowtree.geometry.projection import View, growth, to_plane
 
 _RUN = 8  # rows that tell a crown from a tuft
 
@@ -25,6 +26,8 @@ class PlaneGrid:
         cell: edge of a cell [m].
         columns: cells along image-right.
         rows: cells along up.
+        distance: of the eye from the axis [m]; infinite for a parallel projection.
+        eye: its height [m].
     """
 
     yaw: float
@@ -33,6 +36,27 @@ class PlaneGrid:
     cell: float
     columns: int
     rows: int
+    distance: float = math.inf
+    eye: float = 0.0
+
+
+def cover_picture(shape: tuple[int, ...], view: View, *, cell: float, margin: int = 0) -> PlaneGrid:
+    """The grid, its cells counted from the foot, that covers a picture.
+
+    Args:
+        shape: of the picture, rows and columns.
+        view: where its pixels lie in the plane.
+        cell: edge of a cell [m].
+        margin: cells more on each side.
+    """
+    scale = view.metres_per_pixel
+    first = int(np.floor(-view.foot[0] * scale / cell)) - margin
+    last = int(np.ceil((shape[1] - view.foot[0]) * scale / cell)) + margin
+    low = int(np.floor((view.foot[1] - shape[0]) * scale / cell)) - margin
+    high = int(np.ceil(view.foot[1] * scale / cell)) + margin
+    return PlaneGrid(
+        view.yaw, first * cell, low * cell, cell, last - first, high - low, view.distance, view.eye
+    )
 
 
 def seen_depth(
@@ -42,12 +66,7 @@ def seen_depth(
 
     Returns: the grid, and the depth of each cell (columns * rows,).
     """
-    scale = view.metres_per_pixel
-    first = int(np.floor(-view.foot[0] * scale / cell))
-    last = int(np.ceil((alpha.shape[1] - view.foot[0]) * scale / cell))
-    low = int(np.floor((view.foot[1] - alpha.shape[0]) * scale / cell))
-    high = int(np.ceil(view.foot[1] * scale / cell))
-    grid = PlaneGrid(view.yaw, first * cell, low * cell, cell, last - first, high - low)
+    grid = cover_picture(alpha.shape, view, cell=cell)
     means = footprint_means(
         alpha, view, left=grid.left, bottom=grid.bottom, cell=cell, columns=grid.columns, rows=grid.rows
     )
@@ -66,13 +85,14 @@ def splat_matrix(
     Args:
         grid: the cells.
         points: (n, 3) world [m].
-        areas: (n,) area seen from this view [m^2].
+        areas: (n,) area that a parallel projection sees [m^2].
         things: (n,) the thing that each point is a part of.
         count: of the things.
 
     Returns: (columns * rows, count); what falls outside the grid is lost.
     """
-    flat = to_plane(points, grid.yaw)
+    flat = to_plane(points, grid)
+    areas = areas * growth(points, grid) ** 2
     u = (flat[:, 0] - grid.left) / grid.cell - 0.5
     v = (flat[:, 1] - grid.bottom) / grid.cell - 0.5
     i, j = np.floor(u).astype(int), np.floor(v).astype(int)

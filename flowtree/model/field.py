@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,12 +18,16 @@ class DirectionField:
         origin: (2,) float32 [m], the lower left corner of cell (0, 0) in the view's plane.
         cell: (2,) float32 [m], width and height of a cell.
         yaw: of the view [degrees].
+        distance: of its eye from the tree's axis [m]; infinite for a parallel projection.
+        eye: its height above the foot [m].
     """
 
     vectors: NDArray[np.float32]
     origin: NDArray[np.float32]
     cell: NDArray[np.float32]
     yaw: float
+    distance: float = math.inf
+    eye: float = 0.0
 
 
 @dataclass(frozen=True)

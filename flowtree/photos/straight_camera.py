@@ -27,7 +27,7 @@ def straight_camera(
     height: float,
     missing: tuple[str, ...] = (),
 ) -> tuple[Camera, NDArray[np.float64] | None]:
-    """Sees the plane through the tree's axis by parallel projection, as large as the photograph shows it.
+    """Sees the plane through the tree's axis straight on, as large as the photograph shows it.
 
     Args:
         plane: as the level photograph shows it.
@@ -66,4 +66,5 @@ def straight_camera(
     x0, y0 = -left * scale, high * scale
     to_plane = np.array([[1.0 / scale, 0.0, -x0 / scale], [0.0, -1.0 / scale, y0 / scale], [0.0, 0.0, 1.0]])
     width, tall = math.ceil((right - left) * scale), math.ceil((high - low) * scale)
-    return Camera(float(yaw), height / scale, (x0, y0), width, tall), to_photo @ to_plane
+    away, eye = plane.distance * height, plane.eye * height if math.isfinite(plane.distance) else 0.0
+    return Camera(float(yaw), height / scale, (x0, y0), width, tall, away, eye), to_photo @ to_plane

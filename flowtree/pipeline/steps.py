@@ -167,7 +167,7 @@ def run_limbs(
 ) -> LimbTree:
     """The limbs in space that look like the graphs in all views, but where another direction is painted."""
     del job
-    return clear_painted(lift_graphs(graphs, [camera.yaw for camera in cameras], volume), cameras, edits)
+    return clear_painted(lift_graphs(graphs, cameras, volume), cameras, edits)
 
 
 def run_fields(job: Job, graph: AttractorGraph, camera: Camera, edit: PaintedEdit) -> DirectionField:
@@ -395,8 +395,8 @@ def run_fidelity(job: Job, asset: TreeAsset, matte: Matte, camera: Camera) -> fl
 def _smaller(camera: Camera) -> Camera:
     """The same view, ``_MASK_HEIGHT`` pixels high: four a cell of the measure, and more rays in each."""
     scale = min(1.0, _MASK_HEIGHT / camera.height)
-    return Camera(
-        yaw=camera.yaw,
+    return replace(
+        camera,
         metres_per_pixel=camera.metres_per_pixel / scale,
         foot=(camera.foot[0] * scale, camera.foot[1] * scale),
         width=math.ceil(camera.width * scale),

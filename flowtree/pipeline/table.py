@@ -121,7 +121,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("photos", "mattes", "bare_mattes", "cameras", "height"),
         outputs=("volume",),
         params=("density",),
-        kernels=("fit_depths",),
+        kernels=("fit_depths", "fit_sights"),
         share=0.1,
     ),
     Stage(

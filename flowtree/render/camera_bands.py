@@ -1,4 +1,4 @@
-"""A camera's parallel rays, in bands of rows that bound the memory."""
+"""A camera's rays, in bands of rows that bound the memory."""
 
 from __future__ import annotations
 
@@ -40,7 +40,8 @@ def camera_bands(camera: Camera, samples: int) -> Iterator[tuple[slice, Parallel
     check.require(1 <= samples <= 8, "samples", "must be 1 to 8", samples, "choose one of those")
     rows = max(1, _MOST_RAYS // (camera.width * samples * samples))
     axes = np.stack(view_axes(camera.yaw))
+    sight = (camera.distance, camera.eye)
     for top in range(0, camera.height, rows):
         part = slice(top, min(top + rows, camera.height))
         foot = (camera.foot[0], camera.foot[1] - top)
-        yield part, ParallelView(axes, scale, foot, camera.width, part.stop - top, samples)
+        yield part, ParallelView(axes, scale, foot, camera.width, part.stop - top, samples, *sight)

@@ -1,7 +1,8 @@
-"""Casts a grid of parallel rays at a scene, in tiles."""
+"""Casts a grid of rays at a scene, in tiles."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ import warp as wp
 from numpy.typing import NDArray
 
 from flowtree import device as devices
+from flowtree.geometry.projection import NEAREST
 from flowtree.kernels.cast_rays import RayGrid, cast_rays
 from flowtree.render.assemble_scene import Scene
 
@@ -18,7 +20,7 @@ _MOST_TILES = 65535  # NumPy sorts 16-bit numbers in linear time
 
 @dataclass(frozen=True)
 class ParallelView:
-    """A picture by rays that run parallel, into the world.
+    """A picture by rays that run parallel, into the world, or through an eye (see `foreshorten`).
 
     Attributes:
         axes: (3, 3), unit vectors of the world: image-right, image-up, toward the eye.
@@ -27,6 +29,8 @@ class ParallelView:
         width: [pixels].
         height: [pixels].
         samples: rays along each side of a pixel.
+        distance: of the eye from the tree's axis [m]; infinite for rays that run parallel.
+        eye: its height [m].
     """
 
     axes: NDArray[np.float64]
@@ -35,6 +39,8 @@ class ParallelView:
     width: int
     height: int
     samples: int
+    distance: float = math.inf
+    eye: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -43,8 +49,8 @@ class RayHits:
 
     Attributes:
         hit: (height * samples, width * samples) int32, 1 + the triangle's index, 0 for none.
-        near: of the same shape, float32, the hit's coordinate along the axis toward the eye [m]; nothing
-            is known of misses. Empty when any hit was enough.
+        near: of the same shape, float32, the hit's coordinate along the axis toward the eye [m],
+            foreshortened like the vertices; nothing is known of misses. Empty when any hit was enough.
         corner: (n, 3) float32, the scene's vertices as (x, y) [rays] and nearness [m].
     """
 
@@ -58,7 +64,8 @@ def cast_scene(
 ) -> RayHits:
     """Finds what each ray meets first, or with ``any_hit`` only whether it meets anything.
 
-    The rays are parallel and lie on a grid, so no tree of boxes is needed: triangles are projected and sorted
+    The rays lie on a grid, and what an eye sees is foreshortened so that they run parallel: planes stay
+    planes, and what is nearer stays nearer. So no tree of boxes is needed: triangles are projected and sorted
     into square tiles of rays, and one thread casts all rays of a tile at the tile's triangles. Of two
     triangles equally near the first one in the scene wins, on any number of cores.
     """
@@ -106,13 +113,22 @@ def _project(scene: Scene, view: ParallelView) -> NDArray[np.float32]:
     """Vertices (n, 3) as (x, y) [rays], y downwards, and nearness [m], summed as in `assemble_scene`."""
     corner = np.empty((scene.positions.shape[1], 3), np.float32)
     scale = view.samples / view.metres_per_pixel
+    starts: list[np.float32] = []
     rows = zip((scale, -scale, 1.0), (*view.foot, 0.0), view.axes, strict=True)
     for axis, (stretch, start, along) in enumerate(rows):
         factor = (along * stretch).astype(np.float32)
         total = factor[0] * scene.positions[0]
         total += factor[1] * scene.positions[1]
         total += factor[2] * scene.positions[2]
-        corner[:, axis] = total + np.float32(start * view.samples)
+        corner[:, axis] = total
+        starts.append(np.float32(start * view.samples))
+    if math.isfinite(view.distance):
+        larger = 1 / np.maximum(1 - corner[:, 2] / np.float32(view.distance), np.float32(NEAREST))
+        level = np.float32(-scale * view.eye)
+        corner[:, 1] -= level
+        corner *= larger[:, None]
+        corner[:, 1] += level
+    corner += starts
     return corner
 
 

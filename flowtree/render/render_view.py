@@ -20,7 +20,7 @@ from flowtree.render.shade_hits import light_scene, shade_hits
 def render_view(
     tree: TreeModel, camera: Camera, *, params: RenderParams = RenderParams(), device: str | None = None
 ) -> NDArray[np.uint8]:
-    """Renders a tree in daylight, as an orthographic camera sees it.
+    """Renders a tree in daylight, as a camera sees it.
 
     The sun stands at ``params.sun_azimuth`` from the viewer's back and casts shadows; sky and ground light
     the crown through its own leaves; leaves have two sides and let light pass.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -197,11 +198,18 @@ def _sun_share(
     y: NDArray[np.float32],
     near: NDArray[np.float32],
 ) -> NDArray[np.float32]:
-    """The share 0..1 of the four rays of the sun around each point (rays, rays, metres) that reach it."""
+    """The share 0..1 of the four rays of the sun around each point (rays, rays, metres) that reach it.
+
+    The points are foreshortened as the view's eye sees them.
+    """
     to_sun = lighting.sun_view.axes @ view.axes.T
     scale = view.metres_per_pixel / view.samples
     across = (x - np.float32(view.foot[0] * view.samples)) * np.float32(scale)
     up = (np.float32(view.foot[1] * view.samples) - y) * np.float32(scale)
+    if math.isfinite(view.distance):
+        shrink = (1 / (1 + near / np.float32(view.distance))).astype(np.float32)
+        eye = np.float32(view.eye)
+        across, up, near = across * shrink, eye + (up - eye) * shrink, near * shrink
     there = [(to_sun[k, 0] * across + to_sun[k, 1] * up + to_sun[k, 2] * near) for k in range(3)]
     texel = lighting.sun_view.metres_per_pixel
     column = lighting.sun_view.foot[0] + there[0] / texel - 0.5

@@ -27,10 +27,16 @@ def sample_box(values: NDArray[Any], corner: NDArray[Any], spacing: float, at: N
     return total
 
 
+def seen_larger(toward: NDArray[Any], at: NDArray[Any]) -> float:
+    """How many times as large as at the tree's axis an eye sees what is there; 1 in a parallel projection."""
+    return float(1.0 / max(1.0 - np.asarray(toward, np.float64) @ at, 0.1))
+
+
 def view_vector(fields: Any, view: int, at: NDArray[Any]) -> NDArray[Any]:
     """Bilinear value of one view's field; points outside take the value at its border."""
     rows, columns = fields.vectors.shape[1:3]
-    plane = np.array([fields.right[view] @ at, at[1]])
+    larger, eye = seen_larger(fields.toward[view], at), fields.eye[view]
+    plane = np.array([fields.right[view] @ at * larger, eye + (at[1] - eye) * larger])
     place = (plane - fields.corner[view]) / fields.cell[view] - 0.5
     u, v = np.clip(place, 0.0, [columns - 1, rows - 1])
     j, i = min(int(u), columns - 2), min(int(v), rows - 2)

@@ -8,7 +8,7 @@ from flowtree.attraction.build_limb_field import build_limb_field
 from flowtree.attraction.lift_graphs import lift_graphs
 from flowtree.errors import InputError
 from flowtree.geometry.polylines import subdivide_polyline
-from flowtree.geometry.projection import to_plane
+from flowtree.geometry.projection import ParallelSight, growth, to_plane
 from flowtree.model.attractor import AttractorGraph, LimbTree
 from flowtree.model.volume import DensityVolume
 from flowtree.params import FieldParams
@@ -48,30 +48,45 @@ TREE = limbs_of(
 STEEP = [(0.15, 0.2, 0.05), (0.3, -0.2, 0.1), (0.4, 0.1, -0.2), (0.55, -0.1, -0.15)]  # low, side, away
 
 
-def graph_of(limbs, yaw):
-    return AttractorGraph(limbs.parent, to_plane(limbs.points, yaw).astype(np.float32))
+FROM_FRONT_AND_SIDE = (ParallelSight(0), ParallelSight(90))
+FROM_NEAR = tuple(ParallelSight(yaw, distance=1.5, eye=0.2) for yaw in (0, 90))
+
+
+def graph_of(limbs, sight):
+    return AttractorGraph(limbs.parent, to_plane(limbs.points, sight).astype(np.float32))
 
 
 def far_apart(a, b):
     return float(cKDTree(b).query(a)[0].max())
 
 
-def test_limbs_seen_from_two_sides_are_found():
-    made = lift_graphs([graph_of(TREE, yaw) for yaw in (0, 90)], (0, 90), volume())
+@pytest.mark.parametrize("sights", [FROM_FRONT_AND_SIDE, FROM_NEAR], ids=["parallel", "from near"])
+def test_limbs_seen_from_two_sides_are_found(sights):
+    made = lift_graphs([graph_of(TREE, sight) for sight in sights], sights, volume())
     assert far_apart(TREE.points, made.points) < 0.05
     assert far_apart(made.points, TREE.points) < 0.05
     assert int((np.bincount(made.parent[1:], minlength=len(made.parent)) == 0).sum()) == 4
+
+
+def test_a_limb_toward_the_viewer_is_as_thick_as_it_is_not_as_it_looks():
+    tree = limbs_of([[0, 0, 0], [0, 0.8, 0]], [[0, 0.3, 0], [0.1, 0.5, 0.25]])
+    graphs = []
+    for sight in FROM_NEAR:
+        half = (0.01 * growth(tree.points, sight)).astype(np.float32)
+        graphs.append(AttractorGraph(tree.parent, to_plane(tree.points, sight).astype(np.float32), half))
+    made = lift_graphs(graphs, FROM_NEAR, volume())
+    assert np.nanmax(np.abs(made.radius / 0.01 - 1)) < 0.08, "the picture shows the tip a fifth thicker"
 
 
 def test_branches_that_begin_along_the_stem_neither_bend_nor_thin_it():
     steep = [[[0, low, 0], [0.012, low + 0.15, 0.01], [side, low + 0.25, away]] for low, side, away in STEEP]
     tree = limbs_of([[0, 0, 0], [0, 0.95, 0]], *steep)
     graphs = []
-    for yaw in (0, 90):
+    for sight in FROM_FRONT_AND_SIDE:
         on_stem = np.abs(tree.points[:, [0, 2]]).max(axis=1) < 1e-6
         half = np.where(on_stem, 0.02, 0.004).astype(np.float32)
-        graphs.append(AttractorGraph(tree.parent, to_plane(tree.points, yaw).astype(np.float32), half))
-    made = lift_graphs(graphs, (0, 90), volume())
+        graphs.append(AttractorGraph(tree.parent, to_plane(tree.points, sight).astype(np.float32), half))
+    made = lift_graphs(graphs, FROM_FRONT_AND_SIDE, volume())
     stem = np.stack([np.zeros(200), np.linspace(0, 0.95, 200), np.zeros(200)], axis=1)
     distance, node = cKDTree(made.points).query(stem)
     assert distance.max() < 0.009, "half of what lies between two nodes, and a little"
@@ -84,22 +99,22 @@ def test_branches_that_begin_along_the_stem_neither_bend_nor_thin_it():
 @given(seed=st.integers(0, 1000), turn=st.floats(40, 140), views=st.integers(1, 3))
 def test_every_view_finds_its_graph_in_the_limbs(seed, turn, views):
     rng = np.random.default_rng(seed)
-    yaws = [turn * k for k in range(views)]
+    sights = [ParallelSight(turn * k) for k in range(views)]
     graphs = []
-    for _ in yaws:
+    for _ in sights:
         lines = [[[0, 0, 0], [0, rng.uniform(0.4, 0.9), 0]]]
         for _ in range(int(rng.integers(1, 5))):
             low = rng.uniform(0.1, 0.4)
             lines.append([[0, low, 0], [rng.uniform(-0.4, 0.4), rng.uniform(low, 0.9), 0]])
-        graphs.append(graph_of(limbs_of(*lines), 0))
-    made = lift_graphs(graphs, yaws, volume())
+        graphs.append(graph_of(limbs_of(*lines), sights[0]))
+    made = lift_graphs(graphs, sights, volume())
     assert made.parent[0] == -1
     assert (made.parent[1:] >= 0).all()
     assert (made.parent < np.arange(len(made.parent))).all()
     assert np.isfinite(made.points).all()
     assert not made.points[0].any()
-    for graph, yaw in zip(graphs, yaws, strict=True):
-        assert far_apart(graph.points, to_plane(made.points, yaw)) < 0.06
+    for graph, sight in zip(graphs, sights, strict=True):
+        assert far_apart(graph.points, to_plane(made.points, sight)) < 0.06
 
 
 def test_without_a_branch_there_is_nothing_to_lift():
@@ -107,7 +122,7 @@ def test_without_a_branch_there_is_nothing_to_lift():
         lift_graphs([], [], volume())
     flat = AttractorGraph(np.array([-1, 0], np.int32), np.array([[0, 0], [1, 0]], np.float32))
     with pytest.raises(InputError, match="attractor graphs"):
-        lift_graphs([flat], [0], volume())
+        lift_graphs([flat], FROM_FRONT_AND_SIDE[:1], volume())
 
 
 @pytest.mark.parametrize("blending", ["linear", "constant"])

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -5,6 +7,7 @@ from hypothesis import strategies as st
 
 from flowtree.geometry.cover_canvas import FINE, lay_canvas
 from flowtree.geometry.footprint_means import footprint_means
+from flowtree.geometry.projection import foreshorten, growth
 from flowtree.model.camera import Camera
 
 CAMERA = Camera(30.0, 0.05, (30.0, 55.0), 60, 60)
@@ -43,6 +46,24 @@ def test_cells_and_pixels_belong_together(seed, yaw):
     expected = np.where(beside, canvas.wanted.size, column * canvas.grid.rows + row)
     assert np.array_equal(canvas.cell_index(pixels), expected)
     assert (canvas.spread(cells)[pixels[beside]] == 0).all()
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 10_000))
+def test_an_eye_sees_near_things_larger_and_where_they_are_foreshortened_to(seed):
+    random = np.random.default_rng(seed)
+    near = replace(CAMERA, distance=6.0, eye=1.0)
+    from_near, parallel = canvas_of(camera=near), canvas_of()
+    start = random.uniform((-0.5, 0.6, -0.5), (0.5, 1.5, 0.5), (1, 3))
+    larger = float(growth(start, near)[0])
+    points = random.uniform((-0.5, 0.5, -0.5), (0.5, 1.5, 0.5), (50, 3))
+    assert np.allclose(from_near.flat(points), parallel.flat(foreshorten(points, near)), atol=1e-4)
+    patch = (start, np.array([[0.2, 0, 0]]), np.array([[0, 0.2, 0]]), np.array([0.001]))
+    seen, flat = (c.patch_covers(*patch, samples=(3, 3)).sum() for c in (from_near, parallel))
+    assert seen == pytest.approx(larger**2 * flat, rel=1e-4)
+    rod = (start, start + np.array([[0, 0.02, 0]]), np.array([0.002]), np.array([0]), 1)
+    seen, flat = (c.rod_covers(*rod).sum() for c in (from_near, parallel))
+    assert seen == pytest.approx(larger**2 * flat, rel=0.01)
 
 
 @settings(max_examples=25, deadline=None)

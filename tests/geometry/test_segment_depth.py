@@ -18,7 +18,7 @@ def test_area_is_the_silhouettes(seed, count, thick):
     start, end = (rng.uniform([-1.5, 0.5, -1.5], [1.5, 5, 1.5], (count, 3)) for _ in range(2))
     radius = rng.random(count) * thick
     depth = segment_depth(GRID, start, end, radius, np.arange(count), count)
-    seen = np.linalg.norm(to_plane(end, 90.0) - to_plane(start, 90.0), axis=1)
+    seen = np.linalg.norm(to_plane(end, GRID) - to_plane(start, GRID), axis=1)
     assert np.allclose(np.asarray(depth.sum(axis=0)) * GRID.cell**2, 2 * radius * seen)
 
 

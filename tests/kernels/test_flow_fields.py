@@ -39,9 +39,13 @@ def _ask(fields, at, device):
 
 @pytest.mark.parametrize("device", DEVICES)
 @settings(max_examples=10, deadline=None)
-@given(seed=st.integers(0, 10_000), yaws=st.lists(st.floats(-180, 180), min_size=1, max_size=3))
-def test_equals_its_twin(device, seed, yaws):
-    fields = chance_fields(seed, yaws)
+@given(
+    seed=st.integers(0, 10_000),
+    yaws=st.lists(st.floats(-180, 180), min_size=1, max_size=3),
+    closeness=st.sampled_from([0.0, 0.2, 0.5]),
+)
+def test_equals_its_twin(device, seed, yaws, closeness):
+    fields = chance_fields(seed, yaws, closeness=closeness)
     # Beyond the box, too: there the border's value holds.
     at = np.random.default_rng(seed).uniform(-1.6, 2.4, (40, 3)).astype(np.float32)
     view, route, flow = _ask(fields, at, device)

@@ -67,7 +67,7 @@ def test_equals_its_twin(limbs, route, seed, count, waiting):
 
 @LIMBS
 def test_equals_its_twin_over_a_long_way(limbs):
-    start, fields, times = starts(1, 40), chance_fields(1), chance_times(1)
+    start, fields, times = starts(1, 40), chance_fields(1, closeness=0.3), chance_times(1)
     start_time = np.linspace(0, 0.4, 40).astype("f4") if limbs else None
     settings_ = {"steps": 60, "step": 0.03, "times": times, "start_time": start_time}
     fast = flow_swarm(start, fields, meeting(limbs), **settings_)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from flowtree.geometry.projection import foreshorten
 from flowtree.geometry.srgb import encode_srgb
 from flowtree.meshing.sweep_rings import sweep_rings
 from flowtree.model.camera import Camera
@@ -40,6 +41,51 @@ def test_equal_input_gives_equal_bytes(monkeypatch):
     alone = render_view(tree, camera)
     monkeypatch.setenv("FLOWTREE_THREADS", "2")
     assert render_view(tree, camera).tobytes() == alone.tobytes()
+
+
+def test_an_eye_sees_the_tree_foreshortened():
+    tree = hand_made_tree(60)
+    camera = fit_camera(tree, 20.0, 96)
+    near = replace(camera, distance=1.6 * tree.height, eye=0.2 * tree.height)
+    bare = replace(tree, foliage=None)
+    moved = foreshorten(bare.wood.positions, near).astype(np.float32)
+    there = replace(bare, wood=replace(bare.wood, positions=moved))
+    assert np.allclose(render_mask(bare, near), render_mask(there, camera), atol=0.07)
+    assert not np.allclose(render_mask(bare, near), render_mask(bare, camera), atol=0.5)
+
+
+def test_from_far_away_an_eye_sees_what_parallel_rays_do():
+    tree = hand_made_tree(60)
+    camera = fit_camera(tree, 20.0, 96)
+    far = replace(camera, distance=1e4 * tree.height, eye=0.2 * tree.height)
+    parallel, seen = (render_view(tree, view).astype(int) for view in (camera, far))
+    assert np.quantile(np.abs(parallel - seen), 0.99) <= 4
+
+
+def test_shadows_stay_on_what_they_fall_on_however_near_the_eye():
+    # A floor under a roof: from near it is seen larger, and not any lighter.
+    def slab(low, high, y, size):
+        x, z = np.array([low, high, high, low]), np.array([low, low, high, high])
+        return np.stack([x * size, np.full(4, y), z * size], axis=1)
+
+    tree = bare_tree(hand_made_skeleton())
+    points = np.concatenate([slab(-1, 1, 0.2, 1.0), slab(-1, 1, 2.5, 4.0)]).astype(np.float32)
+    faces = np.array([[0, 2, 1], [0, 3, 2], [4, 6, 5], [4, 7, 6]], np.int32)
+    normals = np.tile(np.float32([0, 1, 0]), (8, 1))
+    wood = replace(
+        tree.wood,
+        positions=points,
+        triangles=faces,
+        normals=normals,
+        uvs=np.zeros((8, 2), np.float32),
+        tangents=None,
+    )
+    camera = Camera(0.0, 0.05, (40.0, 60.0), 80, 80, 6.0, 1.5)
+    shaded = render_view(replace(tree, wood=wood), camera)
+    bare = render_view(replace(tree, wood=replace(wood, triangles=faces[:2])), camera)
+    floor = (bare[..., 3] == 255) & (np.arange(80)[:, None] > 50)
+    assert floor.sum() > 200
+    assert (shaded[floor][:, :3] < 0.8 * bare[floor][:, :3]).all()
 
 
 def _brightness(picture):
