@@ -261,7 +261,7 @@ class TwigParams(StageParams):
         le=2000,
         unit="1/tree height",
     )
-    most: int = _number(3500, "twigs aimed at in a full crown", ge=0, le=200_000)
+    most: int = _number(7000, "twigs aimed at in a full crown", ge=0, le=200_000)
     divergence: float = _number(
         137.5, "angle around the branch from twig to twig; 90 and 180 occur too", ge=0, le=360, unit="degrees"
     )

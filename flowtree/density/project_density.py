@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import warp as wp
 from numpy.typing import NDArray
 
 from flowtree import device as devices
 from flowtree.density.footprint_matrix import footprint_matrix
-from flowtree.density.upload_sights import upload_sights
-from flowtree.kernels.fit_sights import sum_sights
+from flowtree.density.project_sights import project_sights
 from flowtree.model.camera import Camera
 from flowtree.model.volume import DensityVolume
 
@@ -35,7 +33,16 @@ def project_density(volume: DensityVolume, camera: Camera) -> NDArray[np.float32
     left = -columns / 2 * cell
     if math.isfinite(camera.distance):
         rows = math.ceil(max(camera.foot[1] * scale, 0.0) / cell) + 1
-        depth = _sum_sights(volume, camera, left, columns, rows)
+        seen = project_sights(
+            volume.density * np.float32(cell),
+            [camera],
+            left=left,
+            cell=cell,
+            columns=columns,
+            rows=rows,
+            device=devices.pick_device(None),
+        )
+        depth = seen[0].astype(np.float64)
     else:
         matrix = footprint_matrix(x, z, camera.yaw, left=left, cell=cell, columns=columns)
         depth = np.asarray(matrix @ volume.density.transpose(0, 2, 1).reshape(nx * nz, ny).astype(np.float64))
@@ -43,21 +50,6 @@ def project_density(volume: DensityVolume, camera: Camera) -> NDArray[np.float32
     u = ((np.arange(camera.width) + 0.5 - camera.foot[0]) * scale - left) / cell - 0.5
     v = ((camera.foot[1] - np.arange(camera.height) - 0.5) * scale - volume.origin[1]) / cell - 0.5
     return _sample(alpha, np.asarray(u, np.float64), np.asarray(v, np.float64)).T.astype(np.float32)
-
-
-def _sum_sights(
-    volume: DensityVolume, camera: Camera, left: float, columns: int, rows: int
-) -> NDArray[np.float64]:
-    """Optical depths (columns, rows) along lines of sight through an eye."""
-    device = devices.pick_device(None)
-    cell, corner = float(volume.voxel), float(volume.origin[0])
-    views = upload_sights([camera], left=left, cell=cell, corner=corner, device=device)
-    box = devices.upload(volume.density * np.float32(cell), wp.float32, device)
-    every = devices.upload(np.ones((1, columns, rows), np.float32), wp.float32, device)
-    depth = devices.zeros((1, columns, rows), wp.float32, device)
-    inputs = [views, every, box, columns // 2]
-    devices.launch(sum_sights, columns * rows, inputs, [depth], device=device)
-    return np.asarray(depth.numpy()[0], np.float64)
 
 
 def _sample(grid: NDArray[np.float64], u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -6,9 +6,9 @@ import numpy as np
 
 from flowtree.model.volume import DensityVolume
 
-USUAL = 2500  # particles at most, unless asked for more; the paper has 500 to 2000
-_FEWEST = 600
-_PER_DEPTH = 6000.0  # particles for a crown whose optical depth, over all of a view, is the height squared
+_MOST = 5000  # particles at most, unless asked for more; the paper has 500 to 2000
+_FEWEST = 1200
+_PER_DEPTH = 12000.0  # particles for a crown whose optical depth, over all of a view, is the height squared
 
 
 def count_particles(volume: DensityVolume) -> int:
@@ -19,4 +19,4 @@ def count_particles(volume: DensityVolume) -> int:
     """
     height = volume.voxel * volume.density.shape[1]
     depth = float(volume.density.sum(dtype=np.float64)) * volume.voxel**3 / height**2
-    return int(np.clip(_PER_DEPTH * depth, _FEWEST, USUAL))
+    return int(np.clip(_PER_DEPTH * depth, _FEWEST, _MOST))

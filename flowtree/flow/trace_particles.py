@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flowtree import device as devices
 from flowtree.flow.check_inputs import check_fields, check_volume
-from flowtree.flow.count_particles import USUAL, count_particles
+from flowtree.flow.count_particles import count_particles
 from flowtree.flow.flow_particles import flow_particles
 from flowtree.flow.join_traces import join_traces
 from flowtree.flow.route_to_foot import route_to_foot
@@ -30,6 +30,7 @@ _TIME_POINTS = 14  # points along the height of the grid of free-flow times
 _LONGEST = 8.0  # tree heights of way after which the rest is taken as lost
 _SHIFT = 12  # steps; as many as any usual stride divides
 _SPLIT_FROM = 512  # starts from which a second core pays: following a field to the foot is much work for each
+_MEANT = 2500  # particles for which the distances at which they join are meant
 
 
 def trace_particles(
@@ -114,13 +115,13 @@ def trace_particles(
 
 
 def _forces(params: FlowParams, height: float, count: int) -> FlowForces:
-    """In metres. More particles than usual stand closer, and each is less of the tree: reaches shrink."""
+    """In metres. More particles stand closer, and each is less of the tree: reaches shrink."""
     forces = FlowForces()
     forces.attraction = params.attraction
     forces.attraction_radius = params.attraction_radius * height
     forces.response = params.response * height
     forces.inertia = params.inertia
-    share = min(1.0, USUAL / count)
+    share = min(1.0, _MEANT / count)
     forces.reach = params.join_distance * height * share ** (1 / 3)
     forces.growth = params.join_growth * height * share**0.5
     forces.limbs = 1

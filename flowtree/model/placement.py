@@ -41,6 +41,7 @@ class Placement:
         missing: sides of the photograph, of "left", "right", "top", "bottom", where the tree leaves it.
         estimates: what the camera was made from.
         warnings: what a person should look at, in words.
+        open: names of those estimates, and "yaw", that nobody gave and the other views may still correct.
     """
 
     camera: Camera
@@ -49,3 +50,4 @@ class Placement:
     missing: tuple[str, ...] = ()
     estimates: tuple[Estimate, ...] = ()
     warnings: tuple[str, ...] = ()
+    open: tuple[str, ...] = ()

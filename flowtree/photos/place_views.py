@@ -55,6 +55,7 @@ class _View:
         top_spread: how far off the top may be, one standard deviation [pixels]; 0 where it is given.
         estimates: so far.
         warnings: so far.
+        open: what nobody gave.
     """
 
     name: str
@@ -72,6 +73,7 @@ class _View:
     top_spread: float = 0.0
     estimates: tuple[Estimate, ...] = field(default=())
     warnings: tuple[str, ...] = field(default=())
+    open: tuple[str, ...] = field(default=())
 
     def plane(self, foot: float, top: float) -> PlaneView:
         """The view of the plane through the axis, with foot and top in these rows."""
@@ -169,6 +171,8 @@ def _look(photo: Photo, matte: Matte, marks: ViewMarks, height: float, params: A
         distance=distance,
         focal=focal,
         eye=eye,
+        open=tuple(name for name in ("foot", "top", "roll") if free and getattr(marks, name) is None)
+        + (("yaw",) if free else ()),
     )
     if marks.top is None and "top" not in missing and free:
         upper = level[max(0, math.floor(top + up)) : math.ceil(top + up + _UPPER * (foot[1] - top))]
@@ -293,4 +297,4 @@ def _place(view: _View, matte: Matte, yaw: float, height: float) -> Placement:
         plane, view.foot, view.roll, matte.alpha.shape, yaw=yaw, height=height, missing=view.cut
     )
     frame = (view.shape[1], view.shape[0])
-    return Placement(camera, warp, frame, view.cut, view.estimates, view.warnings)
+    return Placement(camera, warp, frame, view.cut, view.estimates, view.warnings, view.open)

@@ -65,6 +65,7 @@ from flowtree.pipeline.compare_views import check_same_tree
 from flowtree.pipeline.cut_trunk import cut_trunk
 from flowtree.pipeline.equip_tree import equip_tree
 from flowtree.pipeline.photo_steps import Polylines
+from flowtree.pipeline.register_views import register_views
 from flowtree.pipeline.stage import Job
 from flowtree.render.render_mask import render_mask
 from flowtree.render.soft_iou import soft_iou
@@ -83,6 +84,13 @@ def run_placing(
 ) -> tuple[Placement, ...]:
     """Where the tree stands in each photograph, from all of them together."""
     return place_views(photos, mattes, marks, yaws=yaws, height=heights[0], params=job.params.align)
+
+
+def run_registering(
+    job: Job, mattes: tuple[Matte, ...], placements: tuple[Placement, ...], heights: tuple[float, ...]
+) -> tuple[Placement, ...]:
+    """The same, corrected until the views agree."""
+    return register_views(mattes, placements, height=heights[0], device=job.device)
 
 
 def run_framing(
