@@ -1,0 +1,360 @@
+/** The viewer: the tree in space, and everything on the way to it. It draws only when there is something new to see. */
+
+import { GLTFLoader, OrbitControls, THREE } from "nicegui-scene";
+import { fieldArrows, flowParticles, skeletonRibbons, voxelCloud } from "flowtree-studio/layer_objects.mjs";
+import { FlowPlayer } from "flowtree-studio/flow_player.mjs";
+import { PhotoPlanes, frameOf } from "flowtree-studio/photo_planes.mjs";
+import { readField, readFlow, readSkeleton, readVoxels } from "flowtree-studio/read_layers.mjs";
+import { Ruler } from "flowtree-studio/ruler.mjs";
+import { StageLight } from "flowtree-studio/stage_light.mjs";
+
+const FIELD_OF_VIEW = 30; // [degrees]
+
+export class TreeViewer {
+  /**
+   * @param {HTMLElement} host
+   * @param {(name: "shown" | "view", value: any) => void} emit "shown" when a tree is on the screen
+   */
+  constructor(host, emit) {
+    this.host = host;
+    this.emit = emit;
+    host.classList.add("tree-viewer");
+    this.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: false });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
+    this.renderer.shadowMap.autoUpdate = false;
+    this.renderer.toneMapping = THREE.NeutralToneMapping;
+    this.renderer.domElement.tabIndex = 0;
+    host.append(this.renderer.domElement);
+    this.scene = new THREE.Scene();
+    this.light = new StageLight(this.scene);
+    this.planes = new PhotoPlanes();
+    this.ruler = new Ruler(this.scene, host);
+    this.scene.add(this.planes.group);
+    this.perspective = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 0.05, 2000);
+    this.parallel = new THREE.OrthographicCamera(-1, 1, 1, -1, 0.01, 2000);
+    this.camera = this.perspective;
+    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    this.controls.enableDamping = true;
+    this.controls.dampingFactor = 0.18;
+    this.controls.addEventListener("change", () => this.render());
+    this.controls.addEventListener("start", () => this.#leaveView());
+    this.shown = { photos: false, density: false, field: false, flow: false, skeleton: false, wood: true, leaves: true };
+    this.wireframe = false;
+    this.skeletonBy = "thickness";
+    this.blend = 0.5;
+    this.view = null;
+    this.size = { height: 10, radius: 4 };
+    this.objects = {};
+    this.data = {};
+    this.wanted = {}; // name -> url: of the newest layer of each name
+    this.player = new FlowPlayer(host, () => this.#showTime());
+    this.#watchClicks();
+    this.renderer.domElement.addEventListener("webglcontextrestored", () => this.#shadow());
+    new ResizeObserver(() => this.#resize()).observe(host);
+    this.#resize();
+    this.frame();
+  }
+
+  // Layers -------------------------------------------------------------------------------------------------
+
+  async setLayer(name, { url }) {
+    this.wanted[name] = url;
+    if (name === "coarse.glb" || name === "tree.glb") await this.#loadTree(name, url);
+    else if (name === "cameras") await this.#loadViews(url);
+    else if (name.startsWith("straight/")) await this.#loadPicture(name, url);
+    else if (name in SHOWN_AS) await this.#loadObject(name);
+  }
+
+  removeLayer(name) {
+    delete this.wanted[name];
+    if (name in SHOWN_AS) this.#replace(name, null);
+    if (name === "tree.glb") this.#replace("tree", null);
+    this.render();
+  }
+
+  async #loadTree(name, url) {
+    const { scene } = await new GLTFLoader().loadAsync(url);
+    if (this.wanted[name] !== url) return; // a newer one is on its way
+    scene.traverse((node) => {
+      if (!node.isMesh) return;
+      node.castShadow = node.receiveShadow = true;
+      if (node.material.map) node.material.map.anisotropy = 4;
+    });
+    const first = !this.objects.tree;
+    this.#replace("tree", scene);
+    const box = new THREE.Box3().setFromObject(scene);
+    const radius = Math.max(-box.min.x, box.max.x, -box.min.z, box.max.z, 0.1);
+    this.size = { height: Math.max(box.max.y, 0.1), radius };
+    this.planes.radius = radius * 1.15;
+    this.light.fit(this.size.height, radius);
+    this.#apply();
+    this.#shadow();
+    if (first && this.view === null) this.frame();
+    this.emit("shown", { name, height: this.size.height, width: box.max.x - box.min.x });
+  }
+
+  async #loadViews(url) {
+    const views = await (await fetch(url)).json();
+    if (this.wanted.cameras !== url) return;
+    const before = this.planes.planes.map(({ mesh }) => mesh.material.map);
+    this.planes.planes.forEach(({ mesh }) => (mesh.material.map = null));
+    this.planes.setViews(views);
+    before.forEach((texture, i) => texture && this.planes.setPicture(i, texture));
+    if (this.view !== null) this.setView(this.view < views.length ? this.view : null);
+    this.#apply();
+  }
+
+  async #loadPicture(name, url) {
+    const texture = await new THREE.TextureLoader().loadAsync(url);
+    if (this.wanted[name] !== url) return;
+    this.planes.setPicture(Number(name.split("/")[1]), texture);
+    this.#apply();
+  }
+
+  /** Layers of numbers are fetched when they are first shown. */
+  async #loadObject(name) {
+    const url = this.wanted[name];
+    if (!this.shown[SHOWN_AS[name]] || !url || this.data[name]?.url === url) return;
+    const answer = await fetch(url);
+    if (!answer.ok || this.wanted[name] !== url) return;
+    this.data[name] = { url, values: READERS[name](await answer.arrayBuffer()) };
+    this.#build(name);
+    this.#apply();
+  }
+
+  #build(name) {
+    const { values } = this.data[name];
+    const makers = {
+      voxels: () => voxelCloud(values),
+      field: () => fieldArrows(values, this.size.height * 0.03),
+      flow: () => flowParticles(values),
+      skeleton: () => skeletonRibbons(values, this.skeletonBy),
+    };
+    this.#replace(name, makers[name]());
+    if (name === "flow") this.player.setLength(values.last);
+    this.#scale();
+  }
+
+  #replace(name, object) {
+    const before = this.objects[name];
+    if (before) {
+      this.scene.remove(before);
+      before.traverse((node) => {
+        node.geometry?.dispose();
+        for (const material of [node.material ?? []].flat()) {
+          material.map?.dispose();
+          material.normalMap?.dispose();
+          material.dispose();
+        }
+      });
+    }
+    this.objects[name] = object;
+    if (object) this.scene.add(object);
+  }
+
+  // What is shown ------------------------------------------------------------------------------------------
+
+  /** @param {object} shown {photos, density, field, flow, skeleton, wood, leaves}: those that change */
+  setShown(shown) {
+    Object.assign(this.shown, shown);
+    for (const name of Object.keys(SHOWN_AS)) this.#loadObject(name);
+    this.#apply();
+    this.#shadow();
+  }
+
+  setLook({ wireframe = this.wireframe, skeletonBy = this.skeletonBy }) {
+    this.wireframe = wireframe;
+    if (skeletonBy !== this.skeletonBy) {
+      this.skeletonBy = skeletonBy;
+      if (this.data.skeleton) this.#build("skeleton");
+    }
+    this.#apply();
+  }
+
+  #apply() {
+    this.objects.tree?.traverse((node) => {
+      if (!node.isMesh) return;
+      node.visible = node.name.endsWith("leaves") ? this.shown.leaves : this.shown.wood;
+      node.material.wireframe = this.wireframe;
+    });
+    for (const [name, key] of Object.entries(SHOWN_AS)) {
+      if (this.objects[name]) this.objects[name].visible = this.shown[key];
+    }
+    this.player.setShown(this.shown.flow && Boolean(this.objects.flow));
+    this.planes.show(this.shown.photos, this.view, this.blend);
+    this.light.setShadows(this.view === null);
+    this.light.rings.visible = this.view === null;
+    this.#showTime();
+  }
+
+  #showTime() {
+    const { flow } = this.objects;
+    if (flow?.visible) flow.setTime(this.player.time, this.player.length);
+    this.render();
+  }
+
+  #shadow() {
+    this.renderer.shadowMap.needsUpdate = true;
+    this.render();
+  }
+
+  // Cameras ------------------------------------------------------------------------------------------------
+
+  /** The whole tree, a little from the side. */
+  frame() {
+    this.#use(this.perspective);
+    const { height, radius } = this.size;
+    const half = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
+    const reach = Math.max((height * 0.56) / half, (radius * 1.12) / (half * Math.min(this.perspective.aspect, 3)));
+    const away = reach + radius * 0.5;
+    this.controls.target.set(0, height * 0.48, 0);
+    this.camera.position.set(Math.sin(0.45) * away, height * 0.48 + away * 0.09, Math.cos(0.45) * away);
+    this.camera.near = away / 200;
+    this.camera.far = away * 20;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.render();
+  }
+
+  /** @param {number | null} index of the view to look from, as its photo did; null is free */
+  setView(index) {
+    const plane = index === null ? null : this.planes.planes[index];
+    if (!plane) {
+      this.view = null;
+      this.frame();
+    } else {
+      this.view = index;
+      const { middle, toward } = frameOf(plane.view);
+      this.#use(this.parallel);
+      const away = this.size.radius * 4 + 10;
+      this.controls.target.set(...middle);
+      this.camera.position.set(middle[0] + toward[0] * away, middle[1], middle[2] + toward[2] * away);
+      this.camera.zoom = 1;
+      this.#fitParallel();
+      this.controls.update();
+    }
+    this.#apply();
+  }
+
+  setBlend(blend) {
+    this.blend = blend;
+    this.#apply();
+  }
+
+  #fitParallel() {
+    const { frame } = this.planes.planes[this.view] ?? {};
+    if (!frame) return;
+    const aspect = this.width / this.height;
+    const half = Math.max(frame.height, frame.width / aspect) * 0.51;
+    Object.assign(this.parallel, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
+    this.parallel.updateProjectionMatrix();
+  }
+
+  /** Turning the view leaves the photo's camera: from there the photo would lie. */
+  #leaveView() {
+    if (this.view === null) return;
+    const { angle } = this.planes.planes[this.view].frame;
+    this.view = null;
+    this.frame();
+    const away = this.camera.position.clone().sub(this.controls.target).length();
+    this.camera.position.set(Math.sin(angle) * away, this.controls.target.y, Math.cos(angle) * away);
+    this.controls.update();
+    this.#apply();
+    this.emit("view", null);
+  }
+
+  #use(camera) {
+    this.camera = camera;
+    this.controls.object = camera;
+  }
+
+  // Drawing ------------------------------------------------------------------------------------------------
+
+  #resize() {
+    const { clientWidth, clientHeight } = this.host;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    this.width = clientWidth;
+    this.height = clientHeight;
+    this.renderer.setSize(clientWidth, clientHeight);
+    this.perspective.aspect = clientWidth / clientHeight;
+    this.perspective.updateProjectionMatrix();
+    this.#fitParallel();
+    this.#scale();
+    this.#draw();
+  }
+
+  /** Tells the layers how large a pixel is. */
+  #scale() {
+    if (!this.width) return;
+    const ratio = this.renderer.getPixelRatio();
+    const { voxels, flow, skeleton } = this.objects;
+    if (voxels) voxels.material.uniforms.scale.value = (this.height * ratio) / 2;
+    flow?.setScale(ratio);
+    skeleton?.material.uniforms.resolution.value.set(this.width * ratio, this.height * ratio);
+  }
+
+  /** Draws at the next frame. */
+  render() {
+    this.waiting ??= requestAnimationFrame(() => {
+      this.waiting = null;
+      this.controls.update(); // says "change" again while it still glides
+      this.#draw();
+    });
+  }
+
+  #draw() {
+    if (!this.width) return;
+    this.renderer.render(this.scene, this.camera);
+    this.ruler.follow(this.camera, this.width, this.height);
+    this.drawn = (this.drawn ?? 0) + 1;
+  }
+
+  /** @returns {string} the view as a PNG's data URL, on the page's ground */
+  screenshot() {
+    this.#draw();
+    const { domElement } = this.renderer;
+    const canvas = document.createElement("canvas");
+    canvas.width = domElement.width;
+    canvas.height = domElement.height;
+    const context = canvas.getContext("2d");
+    context.fillStyle = getComputedStyle(this.host).getPropertyValue("--stage").trim() || "#20261f";
+    context.fillRect(0, 0, canvas.width, canvas.height);
+    context.drawImage(domElement, 0, 0);
+    return canvas.toDataURL("image/png");
+  }
+
+  // Measuring ----------------------------------------------------------------------------------------------
+
+  setMeasuring(on) {
+    this.measuring = on;
+    if (!on) this.ruler.clear();
+    this.renderer.domElement.style.cursor = on ? "crosshair" : "";
+    this.render();
+  }
+
+  #watchClicks() {
+    let down = null;
+    const { domElement } = this.renderer;
+    domElement.addEventListener("pointerdown", (event) => {
+      down = [event.clientX, event.clientY];
+    });
+    domElement.addEventListener("pointerup", (event) => {
+      if (!this.measuring || !down || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 4) return;
+      const box = domElement.getBoundingClientRect();
+      const place = new THREE.Vector2(
+        ((event.clientX - box.x) / box.width) * 2 - 1,
+        1 - ((event.clientY - box.y) / box.height) * 2,
+      );
+      const ray = new THREE.Raycaster();
+      ray.setFromCamera(place, this.camera);
+      const hit = ray.intersectObject(this.objects.tree ?? new THREE.Group(), true).find(({ object }) => object.visible);
+      if (hit) this.ruler.add(hit.point);
+      this.render();
+    });
+  }
+}
+
+const SHOWN_AS = { voxels: "density", field: "field", flow: "flow", skeleton: "skeleton" };
+const READERS = { voxels: readVoxels, field: readField, flow: readFlow, skeleton: readSkeleton };
