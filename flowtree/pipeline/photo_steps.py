@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from flowtree import check
 from flowtree.matting.extract_matte import extract_matte
 from flowtree.matting.paint_matte import paint_matte
+from flowtree.matting.prepare_photo import PreparedPhoto, prepare_photo
 from flowtree.model.edit import PaintedEdit
 from flowtree.model.marks import ViewMarks
 from flowtree.model.matte import Matte
@@ -73,13 +74,24 @@ def run_marks(job: Job, photo: Photo, given: Path | ViewMarks | None, mirrored: 
     return mirror_marks(marks, photo.rgb.shape[1]) if mirrored else marks
 
 
-def run_matting(job: Job, photo: Photo, trimap: Any, scribbles: Any) -> Matte:
+def run_preparing(job: Job, photo: Photo, trimap: Any) -> PreparedPhoto | None:
+    """What matting finds out about a photo before anybody scribbles on it; nothing where it will not ask."""
+    if photo.alpha is not None or trimap is not None:
+        return None
+    return prepare_photo(photo, params=job.params.matting)
+
+
+def run_matting(job: Job, photo: Photo, prepared: PreparedPhoto | None, trimap: Any, scribbles: Any) -> Matte:
     """One alpha matte, steered by what is given."""
+    if prepared is not None:  # of an equal photo, but not always of the same object
+        prepared = replace(prepared, photo=photo)
     if isinstance(trimap, Path):
         trimap = read_trimap(trimap, photo, params=job.params.photos)
     if isinstance(scribbles, Path):
         scribbles = read_scribbles(scribbles, photo, params=job.params.photos)
-    return extract_matte(photo, trimap=trimap, scribbles=scribbles, params=job.params.matting)
+    return extract_matte(
+        photo, trimap=trimap, scribbles=scribbles, prepared=prepared, params=job.params.matting
+    )
 
 
 def run_painting(

@@ -57,13 +57,22 @@ STAGES: tuple[Stage, ...] = (
         share=0.01,
     ),
     Stage(
+        name="preparing",  # apart from matting: no scribble changes it
+        run=photo_steps.run_preparing,
+        inputs=("raw_photo", "trimap_source"),
+        outputs=("prepared_photo",),
+        params=("matting",),
+        each_view=True,
+        share=1.5,
+    ),
+    Stage(
         name="matting",
         run=photo_steps.run_matting,
-        inputs=("raw_photo", "trimap_source", "scribbles_source"),
+        inputs=("raw_photo", "prepared_photo", "trimap_source", "scribbles_source"),
         outputs=("raw_matte",),
         params=("photos", "matting"),
         each_view=True,
-        share=3.5,
+        share=2.0,
     ),
     Stage(
         name="painting",

@@ -214,3 +214,11 @@ def test_any_number_of_threads_gives_the_same_values_and_rising_progress(stages,
         assert seen[-1] == 1.0
         assert list(run.seconds) == [stage.name for stage in stages]
     assert made[0] == made[1] == made[2]
+
+
+def test_what_each_stage_made_is_told_when_all_its_views_are_done():
+    told = []
+    values = Sums().run((1, 2), made=lambda stage, what: told.append((stage, what)))
+    assert [stage for stage, _ in told] == ["double", "add", "draw"]
+    assert told[0][1] == {"doubled": (2, 4), "unit_seen": ("m", "m")}
+    assert told[2][1] == {"drawn": values["drawn"]}
