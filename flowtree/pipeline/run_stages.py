@@ -189,7 +189,7 @@ class _Table:
             if stage.splits:  # by content: a view of which nothing changed is not computed again
                 self._board[name] = tuple(_Value(data, digest(data)) for data in results[0][1][k])
                 continue
-            values = tuple(_Value(made[k], f"{key}/{name}") for key, made in results)
+            values = tuple(_Value(made[k], _result_key(made[k], f"{key}/{name}")) for key, made in results)
             self._board[name] = values if stage.each_view else values[0]
 
     def _list_ready(self) -> None:
@@ -273,6 +273,11 @@ class _Workers:
                 raise error
             found.append((self._running.pop(job), job.result() if error is None else error))
         return sorted(found, key=lambda each: each[0].order)
+
+
+def _result_key(data: Any, key: str) -> str:
+    """By content where that costs nothing: a judgement that comes out the same changes nothing behind it."""
+    return digest(data) if isinstance(data, bool | str) else key
 
 
 def _order(turn: _Turn) -> tuple[int, int]:

@@ -222,6 +222,12 @@ def _(command: do.ResetParams, state: DocumentState) -> DocumentState:
     return replace(state, params=params_from_table(table), pictures=pictures)
 
 
+@apply_command.register
+def _(command: do.OpenState, state: DocumentState) -> DocumentState:
+    del state
+    return command.state
+
+
 def _number(state: DocumentState, photo: int) -> int:
     count = len(state.photos)
     check.require(

@@ -6,16 +6,19 @@ from dataclasses import MISSING, Field, fields
 from typing import Any, get_args
 
 from flowtree import check
-from flowtree.project.commands import AddPhoto, Command
+from flowtree.project.commands import AddPhoto, Command, OpenState, SetPicture
 from flowtree.project.read_fields import read_fields
+from flowtree.project.state_json import state_from_json, state_to_json
 
 _COMMANDS: dict[str, type[Any]] = {kind.__name__: kind for kind in get_args(Command)}
-_FILES = ("AddPhoto", "SetPicture")
+_FILES = tuple(kind.__name__ for kind in (AddPhoto, SetPicture, OpenState))
 
 
 def command_to_json(command: Command) -> dict[str, Any]:
     """The command's name under ``command`` and its fields; JSON has lists where it has tuples."""
     table: dict[str, Any] = {"command": type(command).__name__}
+    if isinstance(command, OpenState):
+        return table | {"state": state_to_json(command.state)}
     return table | {field.name: getattr(command, field.name) for field in fields(command)}
 
 
@@ -34,6 +37,8 @@ def command_from_json(table: Any, *, files: bool = False) -> Command:
     name, known = table["command"], [kind for kind in _COMMANDS if files or kind not in _FILES]
     if name not in known:
         check.fail("command", "must be a known one", repr(name)[:40], check.nearest_name(name, known))
+    if name == OpenState.__name__:
+        return OpenState(state_from_json(table.get("state")))
     kind = _COMMANDS[name]
     given = {key: value for key, value in table.items() if key != "command"}
     required = tuple(field.name for field in fields(kind) if not _has_default(field))

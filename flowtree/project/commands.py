@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from flowtree.project.document_state import DocumentState
 from flowtree.project.drawings import Label, PaintKind, Point, Points
 
 
@@ -166,6 +167,13 @@ class SetPicture:
 
 
 @dataclass(frozen=True)
+class OpenState:
+    """Another project in the place of this one; its files lie in the project's folder already."""
+
+    state: DocumentState
+
+
+@dataclass(frozen=True)
 class ResetParams:
     """The defaults of a section, or of all."""
 
@@ -192,6 +200,7 @@ Command = (
     | SetParam
     | SetPicture
     | ResetParams
+    | OpenState
 )
 
 #: Those that say what is, and not what comes on top: in one gesture the last one counts.

@@ -87,6 +87,13 @@ class Document:
         """All that can be undone or redone to."""
         return tuple(self._states)
 
+    def copy(self) -> Document:
+        """The same, to be kept while this one goes on."""
+        other = Document(self._states[0])
+        other._states, other._steps = list(self._states), list(self._steps)
+        other._position, other.revision = self._position, self.revision
+        return other
+
     def apply(self, command: Command, gesture: str | None = None) -> DocumentState:
         """Does a command; what could be redone is gone.
 

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from flowtree import check
-from flowtree.attraction.read_strokes import read_strokes
 from flowtree.photos.load_photo import load_photo
 from flowtree.photos.read_drawn_json import read_drawn_json
 from flowtree.project.document_state import DrawnPhoto
@@ -50,6 +49,8 @@ def read_drawn_file(kind: str, file: Path, photo: Path) -> dict[str, Any] | None
         InputError: the file is none of that kind.
     """
     if kind == "strokes" and file.suffix.lower() != ".json":
+        from flowtree.attraction.read_strokes import read_strokes  # heavy, and few have such a file
+
         shown = load_photo(photo)
         lines = (np.asarray(line, np.float64) / shown.scale for line in read_strokes(file, shown))
         return {"strokes": tuple(BranchStroke(tuple((x, y) for x, y in line.tolist())) for line in lines)}

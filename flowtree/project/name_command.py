@@ -24,6 +24,7 @@ _NAMES = {
     "SetParam": "Set {name}",
     "SetPicture": "Choose picture for {name}",
     "ResetParams": "Reset parameters",
+    "OpenState": "Open project",
 }
 
 

@@ -44,7 +44,7 @@ ALLOWED = {
 # A third-party library that only a few parts may know (numpy goes everywhere).
 LIBRARIES = {
     "warp": {"device", "kernels", *STAGES},  # stages name its types; only device.py launches
-    "pydantic": {"params", "configuration", "pipeline"},
+    "pydantic": {"params", "configuration", "pipeline", "studio"},
     "typer": {"cli"},
     "rich": {"cli"},
     "PIL": {"photos", "attraction", "render", "meshing", "foliage", "export"},
