@@ -24,7 +24,6 @@ from flowtree.studio.keep_picture import DEMO, DEMO_HEIGHT, keep_picture
 from flowtree.studio.layer_shelf import ShownLayer
 from flowtree.studio.read_archive import read_archive
 from flowtree.studio.saver import Saver
-from flowtree.studio.slider_schema import slider_schema
 
 Event = dict[str, Any]
 
@@ -237,10 +236,6 @@ class Session:
                 "problem": self._engine.problem,
                 "notice": self.notice,
             }
-
-    def slider_schema(self) -> dict[str, Any]:
-        """Every parameter that the page offers (see `flowtree.studio.slider_schema`)."""
-        return slider_schema()
 
     def listen(self, callback: Callable[[Event], None]) -> Callable[[], None]:
         """Has every event told, from whatever thread it happens in; returns what ends that."""
