@@ -9,6 +9,7 @@ const HANDLE = 12; // [screen pixels]
 export class ArrangeView {
   constructor() {
     this.placed = []; // of every photo: {scale, x, y}
+    this.columns = []; // left and right end of the part of the frame that shows it
     this.axes = [];
     this.lines = { foot: 0, top: 0 };
     this.active = 0;
@@ -17,22 +18,14 @@ export class ArrangeView {
 
   /** Lays the photos out anew, by their marks. */
   update(photos, cameras, frameWidth, frameHeight) {
-    const items = photos.map((photo, i) => ({
-      width: photo.width,
-      height: photo.height,
-      marks: arrangedMarks(photo, cameras[i]),
-    }));
-    const parts = this.stacked ? items.map((item) => layOut([item], frameWidth, frameHeight)) : null;
-    if (parts) {
-      const smallest = parts.reduce((a, b) => (a.lines.foot - a.lines.top < b.lines.foot - b.lines.top ? a : b));
-      this.lines = smallest.lines;
-      this.axes = items.map(() => frameWidth / 2);
-    } else {
-      Object.assign(this, layOut(items, frameWidth, frameHeight));
-    }
-    this.placed = items.map((item, i) => place(item.marks, this.lines, this.axes[i]));
-    this.sizes = items.map(({ width, height }) => [width, height]);
-    this.active = Math.min(this.active, Math.max(photos.length - 1, 0));
+    const count = photos.length;
+    const { columns, axes, lines } = layOut(this.stacked ? Math.min(count, 1) : count, frameWidth, frameHeight);
+    this.lines = lines;
+    this.columns = photos.map((_, i) => columns[this.stacked ? 0 : i]);
+    this.axes = photos.map((_, i) => axes[this.stacked ? 0 : i]);
+    this.placed = photos.map((photo, i) => place(arrangedMarks(photo, cameras[i]), lines, this.axes[i]));
+    this.sizes = photos.map(({ width, height }) => [width, height]);
+    this.active = Math.min(this.active, Math.max(count - 1, 0));
   }
 
   /** The photo under a point, and what of it: a corner to scale by, or the photo itself. */
@@ -47,9 +40,11 @@ export class ArrangeView {
     return null;
   }
 
+  /** What is seen of a photo: its left, top, right and bottom end, inside its column. */
   box(i) {
     const { scale, x, y } = this.placed[i];
-    return [x, y, x + this.sizes[i][0] * scale, y + this.sizes[i][1] * scale];
+    const [left, right] = this.columns[i];
+    return [Math.max(x, left), y, Math.min(x + this.sizes[i][0] * scale, right), y + this.sizes[i][1] * scale];
   }
 
   /** A drag from a point: `move` shows it, `finish` says where the photo stands then. */
@@ -101,10 +96,14 @@ export class ArrangeView {
       const [left, top, right, bottom] = this.box(i);
       if (!picture) continue;
       context.save();
+      context.beginPath();
+      context.rect(left, top, right - left, bottom - top);
+      context.clip();
       context.imageSmoothingQuality = "high";
       if (this.stacked && i === this.active && photos.length > 1) context.globalAlpha = 0.55;
       const shown = cutout && matte ? matte.cutout(picture) : picture;
-      context.drawImage(shown, left, top, right - left, bottom - top);
+      const { scale, x, y } = this.placed[i];
+      context.drawImage(shown, x, y, this.sizes[i][0] * scale, this.sizes[i][1] * scale);
       context.restore();
       this.#drawFrame(context, i, colors);
     }

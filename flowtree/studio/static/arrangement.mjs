@@ -36,37 +36,24 @@ export function rescale(placed, factor, [x, y]) {
 }
 
 /**
- * The columns of the trees' axes, so that photos stand beside each other in a frame, and the lines they share.
+ * Columns for photos that stand beside each other in a frame, with the tree in the middle of each, and the lines
+ * that they share. A photo may be wider than its column: what counts is the tree.
  *
- * @param {{width: number, height: number, marks: {foot: [number, number], top: number}}[]} photos
- * @returns {{axes: number[], lines: {foot: number, top: number}}} the lines are the same fraction for all
+ * @param {number} count of photos
+ * @returns {{columns: [number, number][], axes: number[], lines: {foot: number, top: number}}} left and right end
+ *   and middle of every column; rows of the lines
  */
-export function layOut(photos, frameWidth, frameHeight, gap = 12) {
-  // With trees one unit high: how far every photo reaches to the left and right of its axis, up and down.
-  const units = photos.map(({ width, height, marks }) => {
-    const tall = Math.max(marks.foot[1] - marks.top, 1);
-    return {
-      left: marks.foot[0] / tall,
-      right: (width - marks.foot[0]) / tall,
-      above: marks.top / tall,
-      below: (height - marks.foot[1]) / tall,
-    };
+export function layOut(count, frameWidth, frameHeight, gap = 10) {
+  const wide = (frameWidth - gap * (count + 1)) / Math.max(count, 1);
+  // Most crowns are narrower than their tree is high.
+  const high = Math.max(Math.min(wide / 0.92, frameHeight * 0.8), 20);
+  const top = (frameHeight - high) / 2 - 0.02 * high;
+  const columns = Array.from({ length: count }, (_, i) => {
+    const left = gap + i * (wide + gap);
+    return [left, left + wide];
   });
-  const most = (name) => Math.max(...units.map((unit) => unit[name]), 0);
-  const across = units.reduce((sum, unit) => sum + unit.left + unit.right, 0);
-  const down = 1 + Math.max(most("above"), 0.05) + Math.max(most("below"), 0.05);
-  const unit = Math.max(
-    Math.min((frameWidth - gap * (photos.length + 1)) / across, (frameHeight - 2 * gap) / down),
-    10,
-  );
-  const top = (frameHeight - down * unit) / 2 + Math.max(most("above"), 0.05) * unit;
-  let x = (frameWidth - across * unit - gap * (photos.length - 1)) / 2;
-  const axes = units.map(({ left, right }) => {
-    const axis = x + left * unit;
-    x = axis + right * unit + gap;
-    return axis;
-  });
-  return { axes, lines: { foot: top + unit, top } };
+  const axes = columns.map(([left, right]) => (left + right) / 2);
+  return { columns, axes, lines: { foot: top + high, top } };
 }
 
 /** Degrees on the compass of a point around its middle: 0 below (the front), 90 to the right, -180 to 180. */

@@ -1,7 +1,7 @@
 /** An alpha matte in the browser: loaded as a grey picture, patched where it changed, shown in several ways. */
 
-const TINT = [214, 48, 92]; // what is not tree, under "overlay"
-const TINT_ALPHA = 0.62;
+const TINT = [196, 44, 92]; // what is not tree, under "overlay"
+const TINT_ALPHA = 0.5;
 
 /**
  * Fills the pixels of a box with a way to show them.

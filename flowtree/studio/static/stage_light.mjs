@@ -6,8 +6,8 @@ const SUN = new THREE.Vector3(-0.55, 0.95, 0.75).normalize();
 
 export class StageLight {
   constructor(scene) {
-    this.sky = new THREE.HemisphereLight("#dbe8f6", "#6a6450", 1.5);
-    this.sun = new THREE.DirectionalLight("#fff3df", 3.0);
+    this.sky = new THREE.HemisphereLight("#e6eef7", "#8d8878", 2.6);
+    this.sun = new THREE.DirectionalLight("#fff1dc", 3.2);
     this.sun.castShadow = true;
     this.sun.shadow.mapSize.set(2048, 2048);
     this.sun.shadow.radius = 3;

@@ -25,6 +25,7 @@ export class TreeViewer {
     this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
     this.renderer.shadowMap.autoUpdate = false;
     this.renderer.toneMapping = THREE.NeutralToneMapping;
+    this.renderer.toneMappingExposure = 1.15;
     this.renderer.domElement.tabIndex = 0;
     host.append(this.renderer.domElement);
     this.scene = new THREE.Scene();
@@ -207,10 +208,10 @@ export class TreeViewer {
     this.#use(this.perspective);
     const { height, radius } = this.size;
     const half = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
-    const reach = Math.max((height * 0.56) / half, (radius * 1.12) / (half * Math.min(this.perspective.aspect, 3)));
+    const reach = Math.max((height * 0.62) / half, (radius * 1.12) / (half * Math.min(this.perspective.aspect, 3)));
     const away = reach + radius * 0.5;
-    this.controls.target.set(0, height * 0.48, 0);
-    this.camera.position.set(Math.sin(0.45) * away, height * 0.48 + away * 0.09, Math.cos(0.45) * away);
+    this.controls.target.set(0, height * 0.46, 0);
+    this.camera.position.set(Math.sin(0.45) * away, height * 0.46 + away * 0.09, Math.cos(0.45) * away);
     this.camera.near = away / 200;
     this.camera.far = away * 20;
     this.camera.updateProjectionMatrix();
