@@ -60,7 +60,7 @@ class BoardTools:
         self.board = board
         self.tool: dict[str, str] = {"matte": "tree", "branches": "pen", "density": "add", "arrange": "move"}
         self.size = {"matte": 1.6, "branches": 1.2, "density": 6.0}
-        self.shown = "overlay"
+        self.shown = {"matte": "overlay", "density": "photo"}
 
     def build_modes(self) -> None:
         """The row of kinds of work."""
@@ -111,7 +111,7 @@ class BoardTools:
     def build_views(self) -> None:
         """The ways to show a matte, and the graph's switch, over the board."""
         with ui.element("div").classes("floating bottom"):
-            self._shows = ChoiceRow(_SHOWS, self.choose_show, chosen=(self.shown,))
+            self._shows = ChoiceRow(_SHOWS, self.choose_show, chosen=("overlay",))
             graph = Choice("graph", "account_tree", "Attractor graph", "The branches that were found")
             self._graph = ChoiceRow((graph,), lambda _: self._switch_graph(), chosen=("graph",))
         self._graph_on = True
@@ -134,14 +134,16 @@ class BoardTools:
 
     def choose_show(self, name: str) -> None:
         """Another way to show the matte."""
-        self.shown = name
-        self.how(show=name)
-        self._shows.show(name)
+        if self.bench.mode in self.shown:
+            self.shown[self.bench.mode] = name
+            self._show_views()
 
     def next_show(self) -> None:
         """The way after the one that is shown."""
         names = [choice.name for choice in _SHOWS]
-        self.choose_show(names[(names.index(self.shown) + 1) % len(names)])
+        now = self.shown.get(self.bench.mode)
+        if now is not None:
+            self.choose_show(names[(names.index(now) + 1) % len(names)])
 
     def erase(self) -> None:
         """The tool that takes away."""
@@ -191,7 +193,11 @@ class BoardTools:
         self.board.run_method("set_how", how)
 
     def _show_views(self) -> None:
-        self._shows.hide(self.bench.mode not in ("matte", "density") or not self.bench.state["photos"])
+        shown = self.shown.get(self.bench.mode)
+        self._shows.hide(shown is None or not self.bench.state["photos"])
+        if shown is not None:
+            self._shows.show(shown)
+            self.how(show=shown)
         self._graph.hide(self.bench.mode != "branches")
 
     def _switch_graph(self) -> None:

@@ -20,12 +20,12 @@ def build_page(session: Session) -> None:
         bench = Workbench(session)
         page = StudioPage(bench, client)
         await client.connected()
+        if client.is_deleted:  # whoever asked did not want to see it
+            return
 
         def join() -> None:
             if session.enter() > 0:
-                page.tell(
-                    "This project is open in another tab, too; both show and change the same.", "warning"
-                )
+                page.tell("This project is open in another tab, too: both change the same.", "warning")
 
         join()
         client.on_connect(join)

@@ -35,7 +35,7 @@ class Choice:
         icon: shown; none for ''.
         text: shown; none for ''.
         tip: says more.
-        color: of a dot before it; none for ''.
+        color: of its icon, or of a dot in its place; none for ''.
     """
 
     name: str
@@ -64,10 +64,10 @@ class ChoiceRow:
                 button.props["aria-label"] = choice.tip or choice.text or choice.name
                 button.props["data-choice"] = choice.name
                 with button:
-                    if choice.color:
-                        ui.element("span").classes("dot").style(f"background:{choice.color}")
                     if choice.icon:
-                        ui.icon(choice.icon)
+                        ui.icon(choice.icon).style(f"color:{choice.color}" if choice.color else "")
+                    elif choice.color:
+                        ui.element("span").classes("dot").style(f"background:{choice.color}")
                     if choice.text:
                         ui.label(choice.text)
                     if choice.tip:

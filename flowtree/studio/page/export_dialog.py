@@ -117,7 +117,7 @@ class ExportDialog:
             entry = ui.number(value=field["default"], min=field["minimum"], max=field["maximum"], precision=0)
             entry.props("dense borderless").classes("param-entry wide")
             entry.on_value_change(
-                lambda event: keep(field["default"] if event.value is None else int(event.value))
+                lambda event: keep(int(field["default"] if event.value is None else event.value))
             )
 
     def _write(self) -> None:

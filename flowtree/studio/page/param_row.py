@@ -130,7 +130,7 @@ class Scale:
         high = float(field["maximum"]) if field["maximum"] is not None else 10.0 * usual
         # Bounds say what is allowed, not what is of use: a slider reaches a few times beyond the default.
         self.low, self.high = low, high
-        self.ratio = low >= 0.0 and high > 30.0 * max(usual, 1e-9) and usual > 0.0
+        self.ratio = low >= 0.0 and high > 8.0 * max(usual, 1e-9) and usual > 0.0
         if self.ratio:
             self.low = max(low, usual / 30.0)
             self.high = min(high, usual * 30.0)

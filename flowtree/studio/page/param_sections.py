@@ -32,8 +32,8 @@ _KINDS = {"number": "number", "integer": "whole", "boolean": "flag", "array": "l
 def param_sections() -> dict[str, list[dict[str, Any]]]:
     """The fields of every stage, by the stage's name.
 
-    Returns: a field is ``{"name": "flow.step", "kind", "description", "unit", "minimum", "maximum", "choices",
-        "default", "optional"}``; its kind is number, whole, flag, choice, text, list or picture.
+    Returns: a field is ``{"name": "flow.step", "kind", "description", "unit", "minimum", "maximum",
+        "choices", "default", "optional"}``; its kind is number, whole, flag, choice, text, list or picture.
     """
     schema = Params.model_json_schema()
     defaults = Params().model_dump(mode="json")

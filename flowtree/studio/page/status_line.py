@@ -77,13 +77,18 @@ class StatusLine:
         parts = [
             self._size,
             f"{sum(alike) / len(alike):.0%} alike" if alike else "",
-            f"{skeleton['branches']:,} branches" if "branches" in skeleton else "",
-            f"{report['leaves']:,} leaves" if report.get("leaves") else "",
+            f"{_grouped(skeleton['branches'])} branches" if "branches" in skeleton else "",
+            f"{_grouped(report['leaves'])} leaves" if report.get("leaves") else "",
         ]
-        self._figures.set_text("  ·  ".join(part for part in parts if part).replace(",", "\u202f"))
+        self._figures.set_text("  ·  ".join(part for part in parts if part))
 
     def _state(self, state: str) -> None:
         self._dot.classes(replace=f"state-dot {state}")
         self._bar.set_visibility(state == "busy")
         self._cancel.set_visibility(state == "busy")
         self._again.set_visibility(state in ("stopped", "failed"))
+
+
+def _grouped(count: int) -> str:
+    """A large number with thin gaps."""
+    return f"{count:,}".replace(",", "\u202f")

@@ -24,6 +24,7 @@ export class PhotoPlanes {
   constructor() {
     this.group = new THREE.Group();
     this.planes = [];
+    this.pictures = []; // textures by view; they may come before the views
     this.radius = 4;
   }
 
@@ -39,13 +40,20 @@ export class PhotoPlanes {
       this.group.add(mesh);
       return { view, frame, mesh };
     });
+    this.planes.forEach((_, index) => this.#hang(index));
   }
 
   setPicture(index, texture) {
-    const plane = this.planes[index];
-    if (!plane) return;
+    this.pictures[index]?.dispose();
     texture.colorSpace = THREE.SRGBColorSpace;
-    plane.mesh.material.map = texture;
+    this.pictures[index] = texture;
+    this.#hang(index);
+  }
+
+  #hang(index) {
+    const plane = this.planes[index];
+    if (!plane || !this.pictures[index]) return;
+    plane.mesh.material.map = this.pictures[index];
     plane.mesh.material.needsUpdate = true;
   }
 
@@ -75,7 +83,6 @@ export class PhotoPlanes {
   clear() {
     for (const { mesh } of this.planes) {
       mesh.geometry.dispose();
-      mesh.material.map?.dispose();
       mesh.material.dispose();
       this.group.remove(mesh);
     }

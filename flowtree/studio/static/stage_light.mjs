@@ -6,8 +6,8 @@ const SUN = new THREE.Vector3(-0.55, 0.95, 0.75).normalize();
 
 export class StageLight {
   constructor(scene) {
-    this.sky = new THREE.HemisphereLight("#e6eef7", "#8d8878", 2.6);
-    this.sun = new THREE.DirectionalLight("#fff1dc", 3.2);
+    this.sky = new THREE.HemisphereLight("#eaf1f8", "#9a9484", 3.4);
+    this.sun = new THREE.DirectionalLight("#fff3e0", 4.2);
     this.sun.castShadow = true;
     this.sun.shadow.mapSize.set(2048, 2048);
     this.sun.shadow.radius = 3;

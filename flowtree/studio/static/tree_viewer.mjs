@@ -25,7 +25,7 @@ export class TreeViewer {
     this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
     this.renderer.shadowMap.autoUpdate = false;
     this.renderer.toneMapping = THREE.NeutralToneMapping;
-    this.renderer.toneMappingExposure = 1.15;
+    this.renderer.toneMappingExposure = 1.2;
     this.renderer.domElement.tabIndex = 0;
     host.append(this.renderer.domElement);
     this.scene = new THREE.Scene();
@@ -99,10 +99,7 @@ export class TreeViewer {
   async #loadViews(url) {
     const views = await (await fetch(url)).json();
     if (this.wanted.cameras !== url) return;
-    const before = this.planes.planes.map(({ mesh }) => mesh.material.map);
-    this.planes.planes.forEach(({ mesh }) => (mesh.material.map = null));
     this.planes.setViews(views);
-    before.forEach((texture, i) => texture && this.planes.setPicture(i, texture));
     if (this.view !== null) this.setView(this.view < views.length ? this.view : null);
     this.#apply();
   }
