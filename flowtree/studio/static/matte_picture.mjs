@@ -65,15 +65,21 @@ export class MattePicture {
     return new MattePicture(await loadGrey(url));
   }
 
-  /** Takes over the box that changed; the box's picture lies at a URL. */
+  /**
+   * Takes over the box that changed; the box's picture lies at a URL.
+   *
+   * @returns {Promise<boolean>} whether the box was still to be had
+   */
   async patch(url, box) {
-    const { values } = await loadGrey(url);
-    paste(this.alpha, this.width, values, box);
+    const patch = await loadGrey(url).catch(() => null);
+    if (!patch) return false;
+    paste(this.alpha, this.width, patch.values, box);
     for (const [kind, { context, image }] of this.shown) {
       shade(image.data, this.alpha, this.width, box, kind);
       context.putImageData(image, 0, 0, ...box);
     }
     this.cutouts.clear();
+    return true;
   }
 
   /** @returns {OffscreenCanvas} the matte as an overlay, a mask or a grey picture */

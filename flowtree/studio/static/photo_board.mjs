@@ -241,15 +241,19 @@ export class PhotoBoard {
 
   // Drawing ------------------------------------------------------------------------------------------------
 
-  async #loadMatte(name, url, part, box) {
+  /** Mattes of one photo are taken over one after another: a box belongs to the matte before it. */
+  #loadMatte(name, url, part, box) {
     this.mattes ??= {};
-    const known = this.mattes[name];
-    if (part && known) {
-      const [left, top, right, bottom] = box;
-      await known.patch(part, [left, top, right - left, bottom - top]);
-    } else {
+    this.queues ??= {};
+    this.queues[name] = (this.queues[name] ?? Promise.resolve()).then(async () => {
+      const known = this.mattes[name];
+      if (part && known) {
+        const [left, top, right, bottom] = box;
+        if (await known.patch(part, [left, top, right - left, bottom - top])) return;
+      }
       this.mattes[name] = await MattePicture.load(url);
-    }
+    });
+    return this.queues[name];
   }
 
   #resize() {
