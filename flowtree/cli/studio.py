@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from flowtree import check
+from flowtree.errors import OutputError
 
 
 def studio(
@@ -42,4 +43,6 @@ def studio(
         pass
     finally:
         session.close()
+    if not session.saved:
+        raise OutputError(f"{project}: the latest changes could not be saved; free some space")
     typer.echo(f"{project}: saved")

@@ -56,13 +56,11 @@ class Saver:
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._waiting is not None or self._closed)
-                document, self._waiting = self._waiting, None
-                if document is None:
+                if self._waiting is None:
                     return
                 self._writing = True
             try:
-                with self._files:
-                    save_document(document, self._folder)
+                document = self._save_latest()
             except (FlowtreeError, OSError) as error:
                 event: dict[str, Any] = {"event": "unsaved", "message": str(error)}
             else:
@@ -72,3 +70,16 @@ class Saver:
                 self._writing = False
                 self._changed.notify_all()
             self._tell(event)
+
+    def _save_latest(self) -> Document:
+        """Saves what waits once the files are ours.
+
+        Not before: an older document does not know of a photo that has come meanwhile, and saving it would
+        remove that photo's file.
+        """
+        with self._files:
+            with self._changed:
+                document, self._waiting = self._waiting, None
+            assert document is not None
+            save_document(document, self._folder)
+            return document

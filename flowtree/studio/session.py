@@ -75,7 +75,9 @@ class Session:
         return session
 
     def close(self) -> None:
-        """Saves what is not yet saved, and ends all processes."""
+        """Saves what is not yet saved (see `saved`), and ends all processes."""
+        if not self.saved:
+            self._saver.save(self._document.copy())
         self._saver.close()
         self._engine.close()
         self._held.release()
@@ -212,6 +214,11 @@ class Session:
         return self._engine.busy
 
     @property
+    def saved(self) -> bool:
+        """Whether the folder holds the latest state."""
+        return self._saver.saved_revision == self._document.revision
+
+    @property
     def pids(self) -> tuple[int | None, int | None]:
         """The processes that work: for mattes, and for trees."""
         return self._engine.pids
@@ -232,7 +239,7 @@ class Session:
                 "undo": None if undo is None else name_command(undo),
                 "redo": None if redo is None else name_command(redo),
                 "busy": self.busy,
-                "saved": self._saver.saved_revision == document.revision,
+                "saved": self.saved,
                 "problem": self._engine.problem,
                 "notice": self.notice,
             }
