@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree import check
-from flowtree.matting.extract_matte import extract_matte
+from flowtree.matting.cut_out_tree import CutOut, cut_out_tree
+from flowtree.matting.extract_matte import color_matte
 from flowtree.matting.paint_matte import paint_matte
 from flowtree.matting.prepare_photo import PreparedPhoto, prepare_photo
 from flowtree.model.edit import PaintedEdit
@@ -81,17 +82,25 @@ def run_preparing(job: Job, photo: Photo, trimap: Any) -> PreparedPhoto | None:
     return prepare_photo(photo, params=job.params.matting)
 
 
-def run_matting(job: Job, photo: Photo, prepared: PreparedPhoto | None, trimap: Any, scribbles: Any) -> Matte:
-    """One alpha matte, steered by what is given."""
+def run_matting(
+    job: Job, photo: Photo, prepared: PreparedPhoto | None, trimap: Any, scribbles: Any
+) -> CutOut:
+    """One photo's alpha, steered by what is given."""
     if prepared is not None:  # of an equal photo, but not always of the same object
         prepared = replace(prepared, photo=photo)
     if isinstance(trimap, Path):
         trimap = read_trimap(trimap, photo, params=job.params.photos)
     if isinstance(scribbles, Path):
         scribbles = read_scribbles(scribbles, photo, params=job.params.photos)
-    return extract_matte(
+    return cut_out_tree(
         photo, trimap=trimap, scribbles=scribbles, prepared=prepared, params=job.params.matting
     )
+
+
+def run_coloring(job: Job, photo: Photo, cut: CutOut) -> Matte:
+    """The matte with the tree's own colours."""
+    del job
+    return color_matte(photo, cut)
 
 
 def run_painting(

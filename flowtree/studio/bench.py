@@ -17,7 +17,7 @@ from flowtree.check import one_line
 from flowtree.configuration import params_from_table
 from flowtree.device import pick_device
 from flowtree.errors import CancelledError, FlowtreeError, InputError
-from flowtree.model.matte import Matte
+from flowtree.matting.cut_out_tree import CutOut
 from flowtree.params import Params
 from flowtree.pipeline.run_stages import run_stages
 from flowtree.pipeline.stage import Job
@@ -93,7 +93,7 @@ class Bench:
             self._show_matte(job, k, matte)
         self._say(job, "kept", pickle.dumps(self._cache.take_new(), pickle.HIGHEST_PROTOCOL))
 
-    def _mattes(self, job: StudioJob, project: Project, numbers: range) -> tuple[Matte, ...]:
+    def _mattes(self, job: StudioJob, project: Project, numbers: range) -> tuple[CutOut, ...]:
         sources = {
             "photo_source": tuple(project.photos[k] for k in numbers),
             "matte_source": tuple(project.mattes.get(k) for k in numbers),
@@ -109,10 +109,10 @@ class Bench:
             progress=lambda stage, share: self._say(job, "progress", (stage, share)),
             cancel=lambda: self._is_stopped(job),
         )
-        mattes: tuple[Matte, ...] = run.values["raw_matte"]
-        return mattes
+        cuts: tuple[CutOut, ...] = run.values["raw_cut"]
+        return cuts
 
-    def _show_matte(self, job: StudioJob, number: int, matte: Matte) -> None:
+    def _show_matte(self, job: StudioJob, number: int, matte: CutOut) -> None:
         name = f"matte/{number}"
         before = self._book.before(name)
         old = None if before is None else before[0].alpha
