@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 from collections.abc import Callable
 from typing import Any, Literal
@@ -87,7 +88,8 @@ class StudioPage:
         """
 
         def hear(event: dict[str, Any]) -> None:  # in a thread of the session
-            self.loop.call_soon_threadsafe(self._receive, event)
+            with contextlib.suppress(RuntimeError):  # the studio ends, and nobody listens any more
+                self.loop.call_soon_threadsafe(self._receive, event)
 
         stop = self.bench.session.listen(hear)
         for name, revision in self.bench.session.layers().items():

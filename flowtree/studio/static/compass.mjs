@@ -19,9 +19,12 @@ export class Compass {
 
   /** @param {{yaw: number}[]} photos */
   show(photos, active) {
+    const wanted = JSON.stringify([photos.map(({ yaw }) => yaw), active]);
+    if (this.dragging || wanted === this.shown) return; // what is drawn anew loses the focus
+    this.shown = wanted;
     this.photos = photos.map(({ yaw }) => ({ yaw }));
     this.active = active;
-    if (!this.dragging) this.#draw();
+    this.#draw();
   }
 
   #draw() {
@@ -78,6 +81,7 @@ export class Compass {
     };
     const end = () => {
       this.dragging = false;
+      this.shown = null;
       window.removeEventListener("pointermove", turn);
       window.removeEventListener("pointerup", end);
       window.removeEventListener("pointercancel", end);

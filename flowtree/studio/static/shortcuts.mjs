@@ -45,7 +45,7 @@ function isTaken(event) {
   const typed = target.tagName === "INPUT" && !["range", "checkbox", "radio", "button"].includes(target.type);
   if (typed) return true;
   const arrow = event.key.startsWith("Arrow");
-  return arrow && (target.tagName === "INPUT" || target.getAttribute?.("role") === "slider" || target.closest?.(".q-menu"));
+  return arrow && (target.tagName === "INPUT" || target.closest?.("[role=slider], .q-menu"));
 }
 
 /**

@@ -39,8 +39,10 @@ export class TreeViewer {
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.enableDamping = true;
     this.controls.dampingFactor = 0.18;
-    this.controls.addEventListener("change", () => this.render());
-    this.controls.addEventListener("start", () => this.#leaveView());
+    this.controls.addEventListener("change", () => {
+      if (this.#isTurned()) this.#leaveView();
+      this.render();
+    });
     this.shown = { photos: false, density: false, field: false, flow: false, skeleton: false, wood: true, leaves: true };
     this.wireframe = false;
     this.skeletonBy = "thickness";
@@ -250,14 +252,21 @@ export class TreeViewer {
     this.parallel.updateProjectionMatrix();
   }
 
-  /** Turning the view leaves the photo's camera: from there the photo would lie. */
+  /** Whether the camera of a photo looks another way than the photo did. */
+  #isTurned() {
+    if (this.view === null || this.camera !== this.parallel) return false;
+    const [x, , z] = this.planes.planes[this.view].frame.toward;
+    const looks = this.camera.position.clone().sub(this.controls.target).normalize();
+    return looks.x * x + looks.z * z < 0.9999;
+  }
+
+  /** Turning the view leaves the photo's camera: from elsewhere the photo would lie. */
   #leaveView() {
-    if (this.view === null) return;
-    const { angle } = this.planes.planes[this.view].frame;
+    const looks = this.camera.position.clone().sub(this.controls.target).normalize();
     this.view = null;
     this.frame();
-    const away = this.camera.position.clone().sub(this.controls.target).length();
-    this.camera.position.set(Math.sin(angle) * away, this.controls.target.y, Math.cos(angle) * away);
+    const away = this.camera.position.distanceTo(this.controls.target);
+    this.camera.position.copy(this.controls.target).addScaledVector(looks, away);
     this.controls.update();
     this.#apply();
     this.emit("view", null);
@@ -345,6 +354,7 @@ export class TreeViewer {
         ((event.clientX - box.x) / box.width) * 2 - 1,
         1 - ((event.clientY - box.y) / box.height) * 2,
       );
+      this.camera.updateMatrixWorld();
       const ray = new THREE.Raycaster();
       ray.setFromCamera(place, this.camera);
       const hit = ray.intersectObject(this.objects.tree ?? new THREE.Group(), true).find(({ object }) => object.visible);
