@@ -53,11 +53,12 @@ def watch_page(browser: Any, **options: Any) -> Iterator[Any]:
 
     Args:
         browser: from `open_browser`.
-        options: of playwright's ``new_page``.
+        options: of playwright's ``new_context``.
 
     Yields: playwright's page.
     """
-    shown = browser.new_page(**options)
+    context = browser.new_context(**options)
+    shown = context.new_page()
     shown.set_default_timeout(_WAIT)
     errors: list[str] = []
     shown.on("pageerror", lambda error: errors.append(str(error)))
@@ -66,7 +67,7 @@ def watch_page(browser: Any, **options: Any) -> Iterator[Any]:
         yield shown
         assert not errors, errors[:3]
     finally:
-        shown.close()
+        context.close()
 
 
 @contextlib.contextmanager

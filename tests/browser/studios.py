@@ -55,25 +55,31 @@ def _wait_for(url: str, process: subprocess.Popen[str]) -> None:
         time.sleep(0.1)
 
 
+def show(page: Any, address: str) -> None:
+    """Opens a studio's page."""
+    page.goto(address)
+    page.wait_for_selector(".photo-board canvas", state="attached")
+    page.wait_for_selector(".tree-viewer canvas", state="attached")
+    page.wait_for_function("document.querySelector('.project-name').textContent !== ''")
+
+
 class Studio:
     """A page on a running studio, and what a person does on it."""
 
-    def __init__(self, address: str, project: Path, page: Any, pictures: Path) -> None:
+    def __init__(self, address: str, project: Path, page: Any) -> None:
         self.address = address
         self.project = project
         self.page = page
         self.requests: list[str] = []
-        self._pictures = pictures
+        folder = os.environ.get("FLOWTREE_PICTURES")
+        self.pictures = Path(folder) if folder else None
         page.set_default_timeout(1000 * PATIENCE)
         page.on("request", lambda request: self.requests.append(request.url))
         self.open()
 
     def open(self) -> None:
         """Opens the page, or opens it again."""
-        self.page.goto(self.address)
-        self.page.wait_for_selector(".photo-board canvas", state="attached")
-        self.page.wait_for_selector(".tree-viewer canvas", state="attached")
-        self.page.wait_for_function("document.querySelector('.project-name').textContent !== ''")
+        show(self.page, self.address)
 
     def state(self) -> dict[str, Any]:
         """What the project holds."""
@@ -129,27 +135,28 @@ class Studio:
         self.page.mouse.up()
 
     def picture(self, name: str) -> None:
-        """Keeps a picture of the page, to be looked at."""
+        """Keeps a picture of the page to be looked at, where somebody wants to."""
+        if self.pictures is None:
+            return
         self.page.mouse.move(5, 5)
-        self.page.wait_for_timeout(700)  # tips fade, the viewer draws
-        self.page.screenshot(path=self._pictures / f"{name}.png")
+        self.page.wait_for_timeout(1000)  # tips fade, the viewer draws
+        self.page.screenshot(path=self.pictures / f"{name}.png")
+        self.page.screenshot(path=self.pictures / f"{name}.jpg", type="jpeg", quality=88)
 
 
 @contextlib.contextmanager
-def open_studio(project: Path, pictures: Path, **options: Any) -> Iterator[Studio]:
+def open_studio(project: Path, **options: Any) -> Iterator[Studio]:
     """A studio with a page; errors on it, and requests to elsewhere, fail the test.
 
-    Pictures are kept in the folder that ``FLOWTREE_PICTURES`` names, else in the given one.
+    Pictures of the page are kept in the folder that ``FLOWTREE_PICTURES`` names.
     """
-    folder = Path(os.environ.get("FLOWTREE_PICTURES", pictures))
-    folder.mkdir(parents=True, exist_ok=True)
     options = {"viewport": {"width": 1280, "height": 800}, "color_scheme": "dark", **options}
     with (
         open_browser() as browser,
         run_studio(project) as address,
         watch_page(browser, **options) as page,
     ):
-        studio = Studio(address, project, page, folder)
+        studio = Studio(address, project, page)
         yield studio
         own = (address, address.replace("http", "ws"), "blob:", "data:")
         foreign = [url for url in studio.requests if not url.startswith(own)]

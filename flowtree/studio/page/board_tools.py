@@ -18,27 +18,29 @@ _MODES = (
 )
 _TOOLS = {
     "matte": (
-        Choice("tree", tip="Scribble on the tree", color="#59c36a"),
-        Choice("background", tip="Scribble beside the tree", color="#f0506e"),
-        Choice("unknown", tip="Scribble where it is mixed", color="#b9a7e6"),
-        Choice("occluder", tip="Scribble on what stands before the tree", color="#4aa3ff"),
-        Choice("erase", "sym_o_ink_eraser", tip="Take scribbles away (E)"),
-        Choice("pick-tree", "colorize", tip="Pick a colour of the tree"),
-        Choice("pick-background", "format_color_fill", tip="Pick a colour of the background"),
+        Choice("tree", "", "Tree", tip="Scribble on the tree", color="#59c36a"),
+        Choice("background", "", "Background", tip="Scribble beside the tree", color="#f0506e"),
+        Choice("unknown", "", "Mixed", tip="Scribble where it is mixed", color="#b9a7e6"),
+        Choice("occluder", "", "In front", tip="Scribble on what stands before the tree", color="#4aa3ff"),
+        Choice("erase", "sym_o_ink_eraser", "Erase", tip="Take scribbles away (E)"),
+        Choice("pick-tree", "colorize", "Tree colour", tip="Pick a colour of the tree"),
+        Choice(
+            "pick-background", "format_color_fill", "Background colour", tip="Pick a colour of the background"
+        ),
     ),
     "branches": (
-        Choice("pen", "timeline", tip="Draw a branch; the line snaps to the picture"),
-        Choice("free", "edit", tip="Draw a branch freely"),
-        Choice("brush", "brush", tip="Draw a branch as thick as the brush"),
-        Choice("erase", "sym_o_ink_eraser", tip="Take drawn branches away (E)"),
-        Choice("tips", "scatter_plot", tip="Tips of branches: set, drag, tap to remove"),
-        Choice("marks", "place", tip="Drag foot, top and first fork"),
+        Choice("pen", "timeline", "Snapping pen", tip="Draw a branch; the line snaps to the picture"),
+        Choice("free", "edit", "Free pen", tip="Draw a branch freely"),
+        Choice("brush", "brush", "Brush", tip="Draw a branch as thick as the brush"),
+        Choice("erase", "sym_o_ink_eraser", "Erase", tip="Take drawn branches away (E)"),
+        Choice("tips", "scatter_plot", "Tips", tip="Tips of branches: set, drag, tap to remove"),
+        Choice("marks", "place", "Foot, top, fork", tip="Drag foot, top and first fork"),
     ),
     "density": (
-        Choice("add", "add", tip="Paint leaves in", color="#7ddc6f"),
-        Choice("erase", "remove", tip="Paint them out (E)", color="#ff6b57"),
-        Choice("direct", "north_east", tip="Draw the way branches shall flow", color="#ffd166"),
-        Choice("undo", "sym_o_ink_eraser", tip="Take painted strokes away"),
+        Choice("add", "add", "Leaves", tip="Paint leaves in", color="#7ddc6f"),
+        Choice("erase", "remove", "Erase", tip="Paint them out (E)", color="#ff6b57"),
+        Choice("direct", "north_east", "Flow", tip="Draw the way branches shall flow", color="#ffd166"),
+        Choice("undo", "sym_o_ink_eraser", "Take away", tip="Take painted strokes away"),
     ),
 }
 _SIZED = {"tree", "background", "unknown", "occluder", "brush", "add"}

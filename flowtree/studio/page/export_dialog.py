@@ -84,8 +84,8 @@ class ExportDialog:
 
     def done(self, url: str, name: str) -> None:
         """A file is written: the browser takes it."""
-        self._wait.set_text(f"{name} is written")
         self._go.enable()
+        self.dialog.close()
         ui.download.from_url(url, name)
 
     def failed(self) -> None:

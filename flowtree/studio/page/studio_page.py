@@ -74,7 +74,9 @@ class StudioPage:
         bench.on_problem(self.tell)
         bench.watch(self._show_state)
 
-    def tell(self, message: str, kind: Literal["negative", "warning", "info"] = "negative") -> None:
+    def tell(
+        self, message: str, kind: Literal["negative", "warning", "info", "positive"] = "negative"
+    ) -> None:
         """Says something to the person."""
         with self.client:
             ui.notify(
@@ -138,6 +140,7 @@ class StudioPage:
 
     def _on_exported(self, event: dict[str, Any]) -> None:
         self.export.done(event["url"], event["name"])
+        self.tell(f"{event['name']} is written", "positive")
 
     def _on_layer(self, event: dict[str, Any]) -> None:
         self._layer(event)

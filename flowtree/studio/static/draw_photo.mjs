@@ -104,7 +104,7 @@ export function drawMark(context, name, at, pixel, given, width, active = false)
     context.stroke();
     context.restore();
   }
-  const text = name === "tip" ? "" : given ? name : `${name}, found`;
+  const text = { tip: "", fork: given ? "fork" : "fork, not set" }[name] ?? (given ? name : `${name}, found`);
   drawHandle(context, at, text, pixel, { color: colors[name], given, active });
 }
 
