@@ -139,7 +139,7 @@ def _flip(picture: Any) -> Any:
 
 
 def _flip_line(line: NDArray[np.float32], width: int) -> NDArray[np.float32]:
-    return np.stack([np.float32(width) - line[:, 0], line[:, 1]], axis=1)
+    return np.column_stack([np.float32(width) - line[:, :1], line[:, 1:]])
 
 
 def run_sketch(job: Job, source: Path | None) -> TwigShapes | None:

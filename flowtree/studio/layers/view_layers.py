@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -79,6 +80,8 @@ def _view(number: int, photo: Photo, placement: Placement, mirrored: bool) -> di
         "yaw": camera.yaw,
         "metres_per_pixel": camera.metres_per_pixel,
         "foot": [float(x) for x in camera.foot],
+        "distance": camera.distance if math.isfinite(camera.distance) else None,
+        "eye": camera.eye,
         "width": camera.width,
         "height": camera.height,
         "warp": (np.diag([1.0 / photo.scale, 1.0 / photo.scale, 1.0]) @ _warp(placement)).tolist(),
