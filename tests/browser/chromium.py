@@ -48,11 +48,12 @@ def open_browser() -> Iterator[Any]:
 
 
 @contextlib.contextmanager
-def watch_page(browser: Any, **options: Any) -> Iterator[Any]:
+def watch_page(browser: Any, *, expected: tuple[str, ...] = (), **options: Any) -> Iterator[Any]:
     """A page whose errors fail the test, also those that it only writes to the console.
 
     Args:
         browser: from `open_browser`.
+        expected: words of errors that are no failure.
         options: of playwright's ``new_context``.
 
     Yields: playwright's page.
@@ -61,8 +62,13 @@ def watch_page(browser: Any, **options: Any) -> Iterator[Any]:
     shown = context.new_page()
     shown.set_default_timeout(_WAIT)
     errors: list[str] = []
+
+    def note(message: Any) -> None:
+        if message.type == "error" and not any(word in message.text for word in expected):
+            errors.append(f"{message.text} {message.location}")
+
     shown.on("pageerror", lambda error: errors.append(str(error)))
-    shown.on("console", lambda message: message.type == "error" and errors.append(message.text))
+    shown.on("console", note)
     try:
         yield shown
         assert not errors, errors[:3]

@@ -1,7 +1,7 @@
 /** The studio's modules at hand of a test: `studio.NAME` are their exports. */
 
 const NAMES = [
-  "arrangement", "drop", "draw_photo", "ink", "lines", "livewire", "matte_picture", "pan_zoom", "photo_planes",
+  "arrangement", "drop", "draw_photo", "foresee", "ink", "lines", "livewire", "matte_picture", "pan_zoom", "photo_planes",
   "layer_objects", "read_layers", "shortcuts", "photo_board", "tree_viewer",
 ];
 const loaded = await Promise.all(NAMES.map((name) => import(`flowtree-studio/${name}.mjs`)));

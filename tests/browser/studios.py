@@ -105,8 +105,8 @@ class Studio:
         return state
 
     def settle(self) -> dict[str, Any]:
-        """Waits until all is done."""
-        return self.until(lambda state: not state["busy"], "never done")
+        """Waits until all is done and saved."""
+        return self.until(lambda state: state["saved"] and not state["busy"], "never done")
 
     def changed(self, name: str, before: bytes | None) -> bytes:
         """Waits until a layer is another one."""
@@ -119,6 +119,17 @@ class Studio:
     def choose(self, name: str) -> None:
         """A tool of the board, or what is chosen over it."""
         self.page.locator(f'.photos [data-choice="{name}"]:visible').click()
+        self._take(name)
+
+    def mode(self, key: str, name: str) -> None:
+        """A kind of work, by its key."""
+        self.press(key)
+        self._take(name)
+
+    def _take(self, name: str) -> None:
+        """Waits until the board has a tool: people look before they draw."""
+        self.page.wait_for_selector(f'.photos [data-choice="{name}"].chosen:visible')
+        self.page.wait_for_timeout(100)
 
     def show(self, name: str) -> None:
         """Shows or hides a layer of the viewer, or chooses how it is shown."""
@@ -154,7 +165,7 @@ def open_studio(project: Path, **options: Any) -> Iterator[Studio]:
     with (
         open_browser() as browser,
         run_studio(project) as address,
-        watch_page(browser, **options) as page,
+        watch_page(browser, expected=("422",), **options) as page,  # a refused photo
     ):
         studio = Studio(address, project, page)
         yield studio

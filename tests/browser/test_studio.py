@@ -68,7 +68,7 @@ def test_parameters_are_sliders_with_a_way_back(studio):
 
 
 def test_photos_are_arranged(studio):
-    studio.press("1")
+    studio.mode("1", "arrange")
     studio.draw((0.25, 0.5), (0.27, 0.53))
     state = studio.until(lambda state: state["photos"][0]["marks"]["foot"] is not None, "not placed")
     foot, top = state["photos"][0]["marks"]["foot"], state["photos"][0]["marks"]["top"]
@@ -88,7 +88,7 @@ def test_photos_are_arranged(studio):
 
 
 def test_a_scribble_changes_the_matte_and_is_undone(studio):
-    studio.press("2")
+    studio.mode("2", "matte")
     before = studio.layer("matte/0")
     studio.choose("background")
     studio.draw((0.3, 0.42), (0.6, 0.4))
@@ -122,7 +122,7 @@ def test_colors_are_picked(studio):
 
 
 def test_a_branch_is_drawn_and_snaps(studio):
-    studio.press("3")
+    studio.mode("3", "branches")
     studio.until(lambda _: any("/cost/0" in url for url in studio.requests), "nothing to snap to")
     studio.page.wait_for_timeout(100)
     graph = studio.layer("graph/0")
@@ -154,7 +154,7 @@ def test_leaves_are_painted_and_the_tree_grows_there(studio):
     studio.settle()
     skeleton = studio.layer("skeleton")
     before = np.frombuffer(skeleton[4:], "<f4").reshape(-1, 10)
-    studio.press("4")
+    studio.mode("4", "density")
     studio.draw((0.72, 0.32), (0.9, 0.24))
     state = studio.until(lambda state: state["photos"][0]["paint"], "no paint")
     (layer,) = state["photos"][0]["paint"]
@@ -230,7 +230,7 @@ def test_help_and_light(studio):
     studio.page.get_by_role("button", name="Light or dark").click()
     studio.page.wait_for_selector("body.body--light")
     studio.page.set_viewport_size({"width": 1920, "height": 1080})
-    studio.press("1")
+    studio.mode("1", "arrange")
     studio.page.wait_for_timeout(400)
     studio.picture("light")
     studio.page.get_by_role("button", name="Light or dark").click()
@@ -254,7 +254,7 @@ def test_a_second_tab_is_told_and_sees_the_same(studio):
     other = studio.page.context.new_page()
     show(other, studio.address)
     other.get_by_text("open in another tab").wait_for()
-    studio.press("4")
+    studio.mode("4", "density")
     studio.draw((0.3, 0.5), (0.4, 0.5))
     studio.until(lambda state: len(state["photos"][0]["paint"]) == 3, "not painted")
     other.wait_for_function("!document.querySelector('[aria-label=Undo]').disabled")

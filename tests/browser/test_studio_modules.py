@@ -324,3 +324,25 @@ def test_ink_is_drawn_as_the_pen_moves_and_only_the_stroke_is_sent(page):
     page.evaluate("board.setState({photos: [{...board.state.photos[0], paint: []}]}, 1)")
     assert page.evaluate("board.state.photos[0].paint.length") == 0
     assert not requests
+
+
+def test_what_a_command_will_do_is_foreseen(page):
+    photo = {"yaw": 0, "marks": {"foot": None, "top": None, "seeds": []}}
+    photo |= {"scribbles": [1, 2, 3], "strokes": [], "paint": []}
+    commands = [
+        {"command": "RemoveScribbles", "photo": 0, "indices": [0, 2]},
+        {"command": "AddStroke", "photo": 0, "points": [[1, 2], [3, 4]]},
+        {"command": "SetSeeds", "photo": 0, "points": [[5, 6]]},
+        {"command": "PlacePhoto", "photo": 0, "foot": [7, 8], "top": 1},
+        {"command": "SetMark", "photo": 0, "name": "top", "value": 2},
+        {"command": "SetYaw", "photo": 0, "yaw": 45},
+        {"command": "SetYaw", "photo": 7, "yaw": 1},
+    ]
+    (after,) = page.evaluate(
+        "([photos, commands]) => (commands.forEach(one => studio.foresee(photos, one)), photos)",
+        [[photo], commands],
+    )
+    assert after["scribbles"] == [2]
+    assert after["strokes"][0]["points"] == [[1, 2], [3, 4]]
+    assert after["marks"] == {"foot": [7, 8], "top": 2, "seeds": [[5, 6]]}
+    assert after["yaw"] == 45

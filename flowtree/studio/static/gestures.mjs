@@ -6,7 +6,7 @@
  * screen pixel in them.
  */
 
-import { PAINT_COLORS, LABEL_COLORS, drawLine, drawPaint, drawWire } from "flowtree-studio/ink.mjs";
+import { BRANCH_COLOR, LABEL_COLORS, PAINT_COLORS, drawLine, drawPaint, drawWire } from "flowtree-studio/ink.mjs";
 import { pick, simplify, smooth, tidy } from "flowtree-studio/lines.mjs";
 import { Livewire } from "flowtree-studio/livewire.mjs";
 
@@ -161,7 +161,7 @@ function beginBranch(tool, photo, about, start, pixel, { cost, marks, drawMark }
     return new Brush(start, pixel, show, stroke(null, false));
   }
   if (tool.name === "brush") {
-    const show = (context, points) => drawLine(context, points, "#ffb454", tool.size, 0.6);
+    const show = (context, points) => drawLine(context, points, BRANCH_COLOR, tool.size, 0.6);
     return new Brush(start, pixel, show, stroke(tool.size, false));
   }
   if (tool.name === "tips") return beginTip(photo, about, start, pixel, drawMark);

@@ -6,6 +6,7 @@ export const LABEL_COLORS = {
   unknown: "#b9a7e6",
   occluder: "#4aa3ff",
 };
+export const BRANCH_COLOR = "#ffb454";
 export const PAINT_COLORS = { add: "#7ddc6f", erase: "#ff6b57", direct: "#ffd166" };
 
 function trace(context, points) {
@@ -87,8 +88,8 @@ export function drawStrokes(context, photo, mode, pixel) {
   }
   if (mode === "branches") {
     for (const { points, width } of photo.strokes) {
-      if (width) drawLine(context, points, "#ffb454", width, 0.45);
-      drawWire(context, points, "#ffb454", 2.2 * pixel);
+      if (width) drawLine(context, points, BRANCH_COLOR, width, 0.45);
+      drawWire(context, points, BRANCH_COLOR, 2.2 * pixel);
     }
   }
 }
@@ -96,6 +97,24 @@ export function drawStrokes(context, photo, mode, pixel) {
 export function drawPaint(context, { kind, points, width, softness = 0.5, strength = 1 }, pixel) {
   if (kind === "direct") drawArrow(context, points, PAINT_COLORS.direct, 2 * pixel);
   else drawSoft(context, points, PAINT_COLORS[kind], width, softness, strength);
+}
+
+/** Whether a tool draws as wide as its brush. */
+export function hasSize({ mode, name }) {
+  if (mode === "matte") return name in LABEL_COLORS;
+  return mode === "density" ? name === "add" || name === "erase" : mode === "branches" && name === "brush";
+}
+
+/** The brush's rim around the pointer; the context's units are the screen's pixels. */
+export function drawRing(context, [x, y], radius, name) {
+  const color = { ...LABEL_COLORS, ...PAINT_COLORS }[name] ?? BRANCH_COLOR;
+  for (const [style, width] of [["rgba(10, 14, 12, 0.6)", 3], [color, 1.5]]) {
+    context.beginPath();
+    context.arc(x, y, Math.max(radius, 1.5), 0, 2 * Math.PI);
+    context.strokeStyle = style;
+    context.lineWidth = width;
+    context.stroke();
+  }
 }
 
 /** A handle that one can take hold of, with its name. */

@@ -7,22 +7,22 @@
  */
 
 import { ArrangeView } from "flowtree-studio/arrange_view.mjs";
+import { BoardLayers } from "flowtree-studio/board_layers.mjs";
 import { Compass } from "flowtree-studio/compass.mjs";
 import { drawMark, drawPhoto, marksOf } from "flowtree-studio/draw_photo.mjs";
+import { foresee } from "flowtree-studio/foresee.mjs";
 import { beginGesture } from "flowtree-studio/gestures.mjs";
-import { LABEL_COLORS, PAINT_COLORS } from "flowtree-studio/ink.mjs";
-import { loadGrey, MattePicture } from "flowtree-studio/matte_picture.mjs";
+import { drawRing, hasSize } from "flowtree-studio/ink.mjs";
 import { PanZoom } from "flowtree-studio/pan_zoom.mjs";
-import { Pictures } from "flowtree-studio/pictures.mjs";
+import { colorAt } from "flowtree-studio/pictures.mjs";
 import { watchPointers } from "flowtree-studio/pointers.mjs";
 
 const EMPTY = { photos: [], revision: 0 };
-const DRAWN = { AddScribble: "scribbles", AddStroke: "strokes", AddPaint: "paint" };
 
 export class PhotoBoard {
   /**
    * @param {HTMLElement} host
-   * @param {(name: "command" | "pick" | "activate" | "size", value: any) => void} emit
+   * @param {(name: "command" | "pick" | "activate", value: any) => void} emit
    */
   constructor(host, emit) {
     this.emit = emit;
@@ -34,9 +34,10 @@ export class PhotoBoard {
     this.state = EMPTY;
     this.pending = []; // [number, command]: on their way to the project
     this.sent = 0;
-    this.layers = {};
-    this.patches = {};
-    this.pictures = new Pictures(() => this.refresh());
+    this.layers = new BoardLayers(() => {
+      this.#lay();
+      this.refresh();
+    });
     this.tool = { mode: "arrange", name: "move", size: 2, softness: 0.5, strength: 1 };
     this.how = { show: "overlay", split: 0.5, graphShown: true, stacked: false, cutout: false };
     this.photo = 0;
@@ -54,31 +55,19 @@ export class PhotoBoard {
   setState(state, acknowledged = this.sent) {
     this.state = state;
     this.pending = this.pending.filter(([number]) => number > acknowledged);
-    for (const [, command] of this.pending) this.#preview(command);
+    for (const [, command] of this.pending) foresee(this.state.photos, command);
     this.photo = Math.min(this.photo, Math.max(state.photos.length - 1, 0));
     this.#lay();
     this.refresh();
   }
 
-  /** @param {{[name: string]: {url: string, part?: string, box?: number[]}}} layers those that are there */
-  async setLayer(name, { url, part, box }) {
-    if (name === "cameras") {
-      const views = await (await fetch(url)).json();
-      this.cameras = [];
-      for (const view of views) if (!view.mirrored) this.cameras[view.photo] = view;
-      this.#lay();
-    } else if (name.startsWith("matte/")) {
-      await this.#loadMatte(name, url, part, box);
-    } else {
-      this.layers[name] = url;
-    }
-    this.refresh();
+  /** A layer of the project has come, or has changed (`BoardLayers.set`). */
+  async setLayer(name, layer) {
+    await this.layers.set(name, layer);
   }
 
   removeLayer(name) {
-    delete this.layers[name];
-    if (name.startsWith("matte/")) delete this.mattes?.[name];
-    this.refresh();
+    this.layers.remove(name);
   }
 
   /** @param {object} tool {mode, name, size [% of the photo's height], softness, strength} */
@@ -147,14 +136,15 @@ export class PhotoBoard {
     const start = this.transform.toPicture(at);
     const pixel = 1 / this.transform.scale;
     const photo = this.state.photos[this.photo];
-    if (this.#dividerIsAt(start, pixel)) return this.#moveDivider();
+    const divider = this.#beginDivider(start, pixel);
+    if (divider) return divider;
     if (this.tool.name === "pick-tree" || this.tool.name === "pick-background") {
       this.#pickColor(start);
       return null;
     }
     const gesture = beginGesture(this.#sized(), photo, this.photo, start, pixel, {
-      cost: this.pictures.get(this.layers[`cost/${this.photo}`], loadCost),
-      marks: marksOf(photo, this.cameras?.[this.photo]),
+      cost: this.layers.cost(this.photo),
+      marks: marksOf(photo, this.layers.cameras[this.photo]),
       drawMark: (context, name, point, now) => drawMark(context, name, point, now, true, photo.width, true),
     });
     return gesture && { ...bound(gesture), move: (points) => gesture.move(points.map((p) => this.transform.toPicture(p))) };
@@ -192,42 +182,27 @@ export class PhotoBoard {
 
   #send(command) {
     this.sent += 1;
-    this.#preview(command);
+    foresee(this.state.photos, command);
     this.pending.push([this.sent, command]);
     this.emit("command", { number: this.sent, command });
     this.refresh();
   }
 
-  /** Shows a stroke as if the project had it. */
-  #preview(command) {
-    const list = DRAWN[command.command];
-    const photo = this.state.photos[command.photo];
-    if (list && photo) photo[list] = [...photo[list], command];
-  }
-
-  #pickColor(point) {
-    const picture = this.pictures.get(this.layers[`photo/${this.photo}`]);
-    if (!picture) return;
+  #pickColor([x, y]) {
+    const picture = this.layers.picture(this.photo);
     const { width, height } = this.state.photos[this.photo];
-    const context = new OffscreenCanvas(1, 1).getContext("2d");
-    const [sx, sy] = [(point[0] / width) * picture.naturalWidth, (point[1] / height) * picture.naturalHeight];
-    context.drawImage(picture, sx - 2, sy - 2, 5, 5, 0, 0, 1, 1);
-    const [r, g, b, a] = context.getImageData(0, 0, 1, 1).data;
-    const color = `#${[r, g, b].map((value) => value.toString(16).padStart(2, "0")).join("")}`;
-    if (a > 0) this.emit("pick", { name: this.tool.name, color });
+    const color = picture && colorAt(picture, [x / width, y / height]);
+    if (color) this.emit("pick", { name: this.tool.name, color });
   }
 
-  #dividerIsAt([x], pixel) {
+  /** A drag of the line between before and after, where one begins there. */
+  #beginDivider([x], pixel) {
     const { width } = this.state.photos[this.photo];
-    const shown = this.how.show === "split" && this.tool.mode !== "branches" && this.mattes?.[`matte/${this.photo}`];
-    return shown && Math.abs(x - this.how.split * width) < 12 * pixel;
-  }
-
-  #moveDivider() {
-    const { width } = this.state.photos[this.photo];
+    const shown = this.how.show === "split" && this.tool.mode !== "branches" && this.layers.of(this.photo).matte;
+    if (!shown || Math.abs(x - this.how.split * width) > 12 * pixel) return null;
     const move = (points) => {
-      const [x] = this.transform.toPicture(points[points.length - 1]);
-      this.how.split = Math.min(Math.max(x / width, 0), 1);
+      const [now] = this.transform.toPicture(points[points.length - 1]);
+      this.how.split = Math.min(Math.max(now / width, 0), 1);
       this.refresh();
     };
     return { move, finish: () => null };
@@ -240,21 +215,6 @@ export class PhotoBoard {
   }
 
   // Drawing ------------------------------------------------------------------------------------------------
-
-  /** Mattes of one photo are taken over one after another: a box belongs to the matte before it. */
-  #loadMatte(name, url, part, box) {
-    this.mattes ??= {};
-    this.queues ??= {};
-    this.queues[name] = (this.queues[name] ?? Promise.resolve()).then(async () => {
-      const known = this.mattes[name];
-      if (part && known) {
-        const [left, top, right, bottom] = box;
-        if (await known.patch(part, [left, top, right - left, bottom - top])) return;
-      }
-      this.mattes[name] = await MattePicture.load(url);
-    });
-    return this.queues[name];
-  }
 
   #resize() {
     const { clientWidth, clientHeight } = this.host;
@@ -274,7 +234,7 @@ export class PhotoBoard {
 
   #lay() {
     if (!this.width || this.pointers?.busy) return;
-    this.arrange.update(this.state.photos, this.cameras ?? [], this.width, this.height);
+    this.arrange.update(this.state.photos, this.layers.cameras, this.width, this.height);
     this.compass.show(this.state.photos, this.photo);
     this.compass.svg.style.display = !this.single && this.state.photos.length ? "" : "none";
   }
@@ -288,13 +248,7 @@ export class PhotoBoard {
   }
 
   #what(i) {
-    return {
-      photo: this.state.photos[i],
-      picture: this.pictures.get(this.layers[`photo/${i}`]),
-      matte: this.mattes?.[`matte/${i}`],
-      graph: this.pictures.get(this.layers[`graph/${i}`], loadJson),
-      camera: this.cameras?.[i],
-    };
+    return { photo: this.state.photos[i], ...this.layers.of(i) };
   }
 
   #draw() {
@@ -315,12 +269,13 @@ export class PhotoBoard {
         drawPhoto(context, what, { ...this.how, mode: this.tool.mode, tool: this.tool.name }, 1 / this.transform.scale);
       }
       if (this.tool.mode === "branches" && this.tool.name === "pen") {
-        this.pictures.get(this.layers[`cost/${this.photo}`], loadCost); // there before the pen is
+        this.layers.cost(this.photo); // there before the pen is
       }
     }
     this.drawInk();
   }
 
+  /** Has the context draw in the photo's pixels. */
   #enter(context) {
     const { scale, x, y } = this.transform;
     context.setTransform(scale * this.density, 0, 0, scale * this.density, x * this.density, y * this.density);
@@ -337,13 +292,10 @@ export class PhotoBoard {
       this.#enter(context);
       this.live.draw(context, 1 / this.transform.scale);
     }
-    if (this.cursor && this.#hasSize()) this.#drawBrush(context);
-  }
-
-  #hasSize() {
-    const { mode, name } = this.tool;
-    return (mode === "matte" && name in LABEL_COLORS) || (mode === "density" && name in PAINT_COLORS && name !== "direct")
-      || (mode === "branches" && name === "brush");
+    if (this.cursor && hasSize(this.tool)) {
+      context.setTransform(this.density, 0, 0, this.density, 0, 0);
+      drawRing(context, this.cursor, (this.#sized().size * this.transform.scale) / 2, this.tool.name);
+    }
   }
 
   #cursorStyle() {
@@ -352,33 +304,11 @@ export class PhotoBoard {
       const found = this.cursor && this.arrange.find(this.cursor);
       return found ? (found.part === "corner" ? "nwse-resize" : "move") : "default";
     }
-    return this.#hasSize() ? "none" : "crosshair";
-  }
-
-  #drawBrush(context) {
-    const radius = Math.max((this.#sized().size * this.transform.scale) / 2, 1.5);
-    const color = { ...LABEL_COLORS, ...PAINT_COLORS }[this.tool.name] ?? "#ffb454";
-    context.setTransform(this.density, 0, 0, this.density, 0, 0);
-    for (const [style, width] of [["rgba(10, 14, 12, 0.6)", 3], [color, 1.5]]) {
-      context.beginPath();
-      context.arc(this.cursor[0], this.cursor[1], radius, 0, 2 * Math.PI);
-      context.strokeStyle = style;
-      context.lineWidth = width;
-      context.stroke();
-    }
+    return hasSize(this.tool) ? "none" : "crosshair";
   }
 }
 
 /** A gesture's methods, tied to it, so that one of them can be wrapped. */
 function bound(gesture) {
   return { draw: (...args) => gesture.draw(...args), finish: () => gesture.finish() };
-}
-
-async function loadJson(url) {
-  return (await fetch(url)).json();
-}
-
-async function loadCost(url) {
-  const { width, height, values } = await loadGrey(url);
-  return { width, height, cost: values };
 }

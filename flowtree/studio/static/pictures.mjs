@@ -1,32 +1,35 @@
-/** Pictures by their address, loaded once. */
+/** Pictures and data by name, fetched when they are first needed; the one before is shown until the next is there. */
 
 export class Pictures {
   /** @param {() => void} onLoad called whenever one more can be shown */
   constructor(onLoad) {
     this.onLoad = onLoad;
-    this.known = new Map();
+    this.known = new Map(); // name -> {url, value}
   }
 
-  /** @returns the picture when it is there; else null, and it is asked for */
-  get(url, load = loadImage) {
+  /** @returns what is there under a name, or null; what lies at another address now is asked for */
+  get(name, url, load = loadImage) {
     if (!url) return null;
-    if (!this.known.has(url)) {
-      this.known.set(url, null);
+    if (!this.known.has(name)) this.known.set(name, { url: null, value: null });
+    const entry = this.known.get(name);
+    if (entry.url !== url) {
+      entry.url = url;
       load(url).then(
-        (picture) => {
-          this.known.set(url, picture);
+        (value) => {
+          if (entry.url !== url) return;
+          entry.value = value;
           this.onLoad();
         },
-        () => this.known.delete(url), // asked for again when it is next needed
+        () => {
+          if (entry.url === url) entry.url = null; // asked for again when it is next needed
+        },
       );
     }
-    return this.known.get(url);
+    return entry.value;
   }
 
-  /** Forgets all but these. */
-  keep(urls) {
-    const wanted = new Set(urls);
-    for (const url of this.known.keys()) if (!wanted.has(url)) this.known.delete(url);
+  forget(name) {
+    this.known.delete(name);
   }
 }
 
@@ -35,4 +38,19 @@ async function loadImage(url) {
   image.src = url;
   await image.decode();
   return image;
+}
+
+/**
+ * The mean colour around a place of a picture.
+ *
+ * @param {HTMLImageElement} picture
+ * @param {[number, number]} share of its width and height
+ * @returns {string | null} #rrggbb; null where the picture is transparent, or ends
+ */
+export function colorAt(picture, [x, y]) {
+  const context = new OffscreenCanvas(1, 1).getContext("2d");
+  const [left, top] = [x * picture.naturalWidth - 2, y * picture.naturalHeight - 2];
+  context.drawImage(picture, left, top, 5, 5, 0, 0, 1, 1);
+  const [r, g, b, a] = context.getImageData(0, 0, 1, 1).data;
+  return a > 0 ? `#${[r, g, b].map((value) => value.toString(16).padStart(2, "0")).join("")}` : null;
 }

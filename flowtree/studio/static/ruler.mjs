@@ -12,6 +12,20 @@ export class Ruler {
     this.points = [];
   }
 
+  /** Adds the place of the tree under a pointer. */
+  measure(event, canvas, camera, tree) {
+    const box = canvas.getBoundingClientRect();
+    const place = new THREE.Vector2(
+      ((event.clientX - box.x) / box.width) * 2 - 1,
+      1 - ((event.clientY - box.y) / box.height) * 2,
+    );
+    camera.updateMatrixWorld();
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(place, camera);
+    const hit = tree && ray.intersectObject(tree, true).find(({ object }) => object.visible);
+    if (hit) this.add(hit.point);
+  }
+
   add(point) {
     if (this.points.length === 2) this.clear();
     this.points.push(point);

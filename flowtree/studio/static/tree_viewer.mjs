@@ -1,12 +1,11 @@
 /** The viewer: the tree in space, and everything on the way to it. It draws only when there is something new to see. */
 
-import { GLTFLoader, OrbitControls, THREE } from "nicegui-scene";
-import { fieldArrows, flowParticles, skeletonRibbons, voxelCloud } from "flowtree-studio/layer_objects.mjs";
+import { OrbitControls, THREE } from "nicegui-scene";
 import { FlowPlayer } from "flowtree-studio/flow_player.mjs";
 import { PhotoPlanes, frameOf } from "flowtree-studio/photo_planes.mjs";
-import { readField, readFlow, readSkeleton, readVoxels } from "flowtree-studio/read_layers.mjs";
 import { Ruler } from "flowtree-studio/ruler.mjs";
 import { StageLight } from "flowtree-studio/stage_light.mjs";
+import { SHOWN_AS, ViewerLayers } from "flowtree-studio/viewer_layers.mjs";
 
 const FIELD_OF_VIEW = 30; // [degrees]
 
@@ -49,9 +48,7 @@ export class TreeViewer {
     this.blend = 0.5;
     this.view = null;
     this.size = { height: 10, radius: 4 };
-    this.objects = {};
-    this.data = {};
-    this.wanted = {}; // name -> url: of the newest layer of each name
+    this.layers = new ViewerLayers(this.scene);
     this.player = new FlowPlayer(host, () => this.#showTime());
     this.#watchClicks();
     this.renderer.domElement.addEventListener("webglcontextrestored", () => this.#shadow());
@@ -63,7 +60,7 @@ export class TreeViewer {
   // Layers -------------------------------------------------------------------------------------------------
 
   async setLayer(name, { url }) {
-    this.wanted[name] = url;
+    this.layers.urls[name] = url;
     if (name === "coarse.glb" || name === "tree.glb") await this.#loadTree(name, url);
     else if (name === "cameras") await this.#loadViews(url);
     else if (name.startsWith("straight/")) await this.#loadPicture(name, url);
@@ -71,23 +68,16 @@ export class TreeViewer {
   }
 
   removeLayer(name) {
-    delete this.wanted[name];
-    if (name in SHOWN_AS) this.#replace(name, null);
-    if (name === "tree.glb") this.#replace("tree", null);
+    if (name in SHOWN_AS) this.layers.remove(name);
+    if (name === "tree.glb") this.layers.remove("tree");
     this.render();
   }
 
   async #loadTree(name, url) {
-    const { scene } = await new GLTFLoader().loadAsync(url);
-    if (this.wanted[name] !== url) return; // a newer one is on its way
-    scene.traverse((node) => {
-      if (!node.isMesh) return;
-      node.castShadow = node.receiveShadow = true;
-      if (node.material.map) node.material.map.anisotropy = 4;
-    });
-    const first = !this.objects.tree;
-    this.#replace("tree", scene);
-    const box = new THREE.Box3().setFromObject(scene);
+    const first = !this.layers.objects.tree;
+    const tree = await this.layers.loadTree(name, url);
+    if (!tree) return;
+    const box = new THREE.Box3().setFromObject(tree);
     const radius = Math.max(-box.min.x, box.max.x, -box.min.z, box.max.z, 0.1);
     this.size = { height: Math.max(box.max.y, 0.1), radius };
     this.planes.radius = radius * 1.15;
@@ -100,7 +90,7 @@ export class TreeViewer {
 
   async #loadViews(url) {
     const views = await (await fetch(url)).json();
-    if (this.wanted.cameras !== url) return;
+    if (this.layers.urls.cameras !== url) return;
     this.planes.setViews(views);
     if (this.view !== null) this.setView(this.view < views.length ? this.view : null);
     this.#apply();
@@ -108,50 +98,21 @@ export class TreeViewer {
 
   async #loadPicture(name, url) {
     const texture = await new THREE.TextureLoader().loadAsync(url);
-    if (this.wanted[name] !== url) return;
+    if (this.layers.urls[name] !== url) return;
     this.planes.setPicture(Number(name.split("/")[1]), texture);
     this.#apply();
   }
 
   /** Layers of numbers are fetched when they are first shown. */
   async #loadObject(name) {
-    const url = this.wanted[name];
-    if (!this.shown[SHOWN_AS[name]] || !url || this.data[name]?.url === url) return;
-    const answer = await fetch(url);
-    if (!answer.ok || this.wanted[name] !== url) return;
-    this.data[name] = { url, values: READERS[name](await answer.arrayBuffer()) };
-    this.#build(name);
-    this.#apply();
+    if (this.shown[SHOWN_AS[name]] && (await this.layers.fetch(name))) this.#build(name);
   }
 
   #build(name) {
-    const { values } = this.data[name];
-    const makers = {
-      voxels: () => voxelCloud(values),
-      field: () => fieldArrows(values, this.size.height * 0.03),
-      flow: () => flowParticles(values),
-      skeleton: () => skeletonRibbons(values, this.skeletonBy),
-    };
-    this.#replace(name, makers[name]());
-    if (name === "flow") this.player.setLength(values.last);
+    this.layers.build(name, { height: this.size.height, skeletonBy: this.skeletonBy });
+    if (name === "flow") this.player.setLength(this.layers.data.flow.values.last);
     this.#scale();
-  }
-
-  #replace(name, object) {
-    const before = this.objects[name];
-    if (before) {
-      this.scene.remove(before);
-      before.traverse((node) => {
-        node.geometry?.dispose();
-        for (const material of [node.material ?? []].flat()) {
-          material.map?.dispose();
-          material.normalMap?.dispose();
-          material.dispose();
-        }
-      });
-    }
-    this.objects[name] = object;
-    if (object) this.scene.add(object);
+    this.#apply();
   }
 
   // What is shown ------------------------------------------------------------------------------------------
@@ -168,21 +129,21 @@ export class TreeViewer {
     this.wireframe = wireframe;
     if (skeletonBy !== this.skeletonBy) {
       this.skeletonBy = skeletonBy;
-      if (this.data.skeleton) this.#build("skeleton");
+      if (this.layers.data.skeleton) this.#build("skeleton");
     }
     this.#apply();
   }
 
   #apply() {
-    this.objects.tree?.traverse((node) => {
+    this.layers.objects.tree?.traverse((node) => {
       if (!node.isMesh) return;
       node.visible = node.name.endsWith("leaves") ? this.shown.leaves : this.shown.wood;
       node.material.wireframe = this.wireframe;
     });
     for (const [name, key] of Object.entries(SHOWN_AS)) {
-      if (this.objects[name]) this.objects[name].visible = this.shown[key];
+      if (this.layers.objects[name]) this.layers.objects[name].visible = this.shown[key];
     }
-    this.player.setShown(this.shown.flow && Boolean(this.objects.flow));
+    this.player.setShown(this.shown.flow && Boolean(this.layers.objects.flow));
     this.planes.show(this.shown.photos, this.view, this.blend);
     this.light.setShadows(this.view === null);
     this.light.rings.visible = this.view === null;
@@ -190,7 +151,7 @@ export class TreeViewer {
   }
 
   #showTime() {
-    const { flow } = this.objects;
+    const { flow } = this.layers.objects;
     if (flow?.visible) flow.setTime(this.player.time, this.player.length);
     this.render();
   }
@@ -292,14 +253,8 @@ export class TreeViewer {
     this.#draw();
   }
 
-  /** Tells the layers how large a pixel is. */
   #scale() {
-    if (!this.width) return;
-    const ratio = this.renderer.getPixelRatio();
-    const { voxels, flow, skeleton } = this.objects;
-    if (voxels) voxels.material.uniforms.scale.value = (this.height * ratio) / 2;
-    flow?.setScale(ratio);
-    skeleton?.material.uniforms.resolution.value.set(this.width * ratio, this.height * ratio);
+    if (this.width) this.layers.setScale(this.width, this.height, this.renderer.getPixelRatio());
   }
 
   /** Draws at the next frame. */
@@ -349,20 +304,8 @@ export class TreeViewer {
     });
     domElement.addEventListener("pointerup", (event) => {
       if (!this.measuring || !down || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 4) return;
-      const box = domElement.getBoundingClientRect();
-      const place = new THREE.Vector2(
-        ((event.clientX - box.x) / box.width) * 2 - 1,
-        1 - ((event.clientY - box.y) / box.height) * 2,
-      );
-      this.camera.updateMatrixWorld();
-      const ray = new THREE.Raycaster();
-      ray.setFromCamera(place, this.camera);
-      const hit = ray.intersectObject(this.objects.tree ?? new THREE.Group(), true).find(({ object }) => object.visible);
-      if (hit) this.ruler.add(hit.point);
+      this.ruler.measure(event, domElement, this.camera, this.layers.objects.tree);
       this.render();
     });
   }
 }
-
-const SHOWN_AS = { voxels: "density", field: "field", flow: "flow", skeleton: "skeleton" };
-const READERS = { voxels: readVoxels, field: readField, flow: readFlow, skeleton: readSkeleton };
