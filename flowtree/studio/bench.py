@@ -65,6 +65,8 @@ class Bench:
             self._say(job, "failed", str(error))
         except MemoryError:
             self._say(job, "failed", "out of memory; lower photos.working_height or density.resolution")
+        except (BrokenPipeError, ConnectionResetError):
+            raise  # nobody is there to be told
         except OSError as error:
             self._say(job, "failed", one_line(f"{error.filename or 'a file'}: {error.strerror or error}"))
         except Exception as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import queue
 import signal
 from importlib import import_module
@@ -28,8 +29,9 @@ def work(connection: Connection, stopped: Any, ahead: str) -> None:
     jobs: queue.Queue[StudioJob | None] = queue.Queue()
     Thread(target=_receive, args=(connection, jobs), daemon=True).start()
     bench = Bench(connection, stopped)
-    while (job := jobs.get()) is not None:
-        bench.run(job)
+    with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # nobody is there any more
+        while (job := jobs.get()) is not None:
+            bench.run(job)
 
 
 def _receive(connection: Connection, jobs: queue.Queue[StudioJob | None]) -> None:
