@@ -30,17 +30,16 @@ from flowtree.studio.layers.layer import Layer, json_layer
 from flowtree.studio.layers.photo_layers import matte_layer, photo_layer
 from flowtree.studio.recording_cache import RecordingCache
 
-_KEPT = 600  # results: six variants of a tree, and some steps of undo
 _MATTING = tuple(stage for stage in STAGES if stage.name in ("photos", "preparing", "matting"))
 
 
 class Bench:
     """Runs jobs; its cache, and what it knows of layers already sent, last from job to job."""
 
-    def __init__(self, connection: Connection, stopped: Any) -> None:
+    def __init__(self, connection: Connection, stopped: Any, kept: int) -> None:
         self._connection, self._stopped = connection, stopped
         self._sending = Lock()
-        self._cache = RecordingCache(_KEPT)
+        self._cache = RecordingCache(kept)
         self._book = LayerBook()
 
     def run(self, job: StudioJob) -> None:
@@ -75,6 +74,8 @@ class Bench:
             )
         else:
             self._say(job, "done", time.perf_counter() - begin)
+        if job.kind != "matte":  # nobody asks for these
+            self._cache.take_new()
 
     def _cut_out(self, job: StudioJob, project: Project) -> None:
         """The photos, then their mattes; the results go to the other worker."""
@@ -143,7 +144,6 @@ class Bench:
             for drawn in drawing:
                 drawn.result()
         self._draw(job, json_layer("report", result.report))
-        self._cache.take_new()
 
     def _make_variants(self, job: StudioJob, project: Project) -> None:
         """A picture of each seed's tree; whichever is chosen is made already."""
@@ -160,7 +160,6 @@ class Bench:
                 cache=self._cache,
             )
             self._draw(job, variant_layer(seed, result.asset))
-        self._cache.take_new()
 
     def _write_file(self, job: StudioJob, project: Project) -> None:
         """The tree or its branches in a file, as the command line writes it."""
@@ -186,7 +185,6 @@ class Bench:
             params = project.params
             export_tree(result.asset, output, params=params.export, engine=params.collision.engine)
         self._say(job, "exported")
-        self._cache.take_new()
 
     def _share(self, job: StudioJob, part: int, parts: int, stage: str, share: float) -> None:
         self._say(job, "progress", (stage, (part + share) / parts))

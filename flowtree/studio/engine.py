@@ -13,6 +13,8 @@ from flowtree.studio.job import Kind, Message, StudioJob
 from flowtree.studio.layer_shelf import LayerShelf
 from flowtree.studio.worker import Worker
 
+_CUTS = 40  # photos, and their mattes after some scribbles
+_RESULTS = 300  # six variants of a tree, and some steps of undoing
 Tell = Callable[[dict[str, Any]], None]
 _CRASHED = "a process of the studio ended unexpectedly; the project is safe: go on, or run it again"
 
@@ -30,8 +32,8 @@ class Engine:
         self._folder, self._scratch, self._tell = folder, scratch, tell
         self._lock = threading.RLock()
         self.shelf = LayerShelf()
-        self._cutter = Worker(lambda message: self._hear(message, self._cutter), "flowtree.studio.bench")
-        self._grower = Worker(lambda message: self._hear(message, self._grower), "flowtree.pipeline.steps")
+        self._cutter = Worker(self._hear, ahead="flowtree.matting.cut_out_tree", kept=_CUTS)
+        self._grower = Worker(self._hear, ahead="flowtree.pipeline.steps", kept=_RESULTS)
         self._jobs: dict[int, StudioJob] = {}
         self._next = 0
         self._state, self._revision = DocumentState(), 0
@@ -116,12 +118,11 @@ class Engine:
         worker.submit(job)
         return job.number
 
-    def _hear(self, message: Message, worker: Worker) -> None:
-        events = self._heed(message, worker)
-        for event in events:
+    def _hear(self, message: Message) -> None:
+        for event in self._heed(message):
             self._tell(event)
 
-    def _heed(self, message: Message, worker: Worker) -> list[dict[str, Any]]:
+    def _heed(self, message: Message) -> list[dict[str, Any]]:
         """What a message changes, and what is told of it."""
         with self._lock:
             if message.kind == "layer":  # also of a job that was dropped: it is newer than what is there

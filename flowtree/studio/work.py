@@ -13,13 +13,14 @@ from typing import Any
 from flowtree.studio.job import StudioJob
 
 
-def work(connection: Connection, stopped: Any, ahead: str) -> None:
+def work(connection: Connection, stopped: Any, ahead: str, kept: int) -> None:
     """Serves jobs until the other end closes; runs in a spawned process.
 
     Args:
         connection: jobs come in, `Message` go out.
         stopped: a shared whole number: jobs up to it shall end as soon as they can.
         ahead: a module to import while nothing is asked for; empty for none.
+        kept: results of stages that are kept; each has some megabytes.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that closes this one in order
     if ahead:
@@ -28,7 +29,7 @@ def work(connection: Connection, stopped: Any, ahead: str) -> None:
 
     jobs: queue.Queue[StudioJob | None] = queue.Queue()
     Thread(target=_receive, args=(connection, jobs), daemon=True).start()
-    bench = Bench(connection, stopped)
+    bench = Bench(connection, stopped, kept)
     with contextlib.suppress(BrokenPipeError, ConnectionResetError):  # nobody is there any more
         while (job := jobs.get()) is not None:
             bench.run(job)

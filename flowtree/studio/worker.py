@@ -22,10 +22,11 @@ class Worker:
         listen: called with every `Message`, from a thread of this worker; for every job the last one says how
             it ended, whatever happens to the process.
         ahead: a module that a new process imports before the first job.
+        kept: results of stages that it keeps; each has some megabytes.
     """
 
-    def __init__(self, listen: Callable[[Message], None], ahead: str = "") -> None:
-        self._listen, self._ahead = listen, ahead
+    def __init__(self, listen: Callable[[Message], None], *, ahead: str, kept: int) -> None:
+        self._listen, self._ahead, self._kept = listen, ahead, kept
         self._context = multiprocessing.get_context("spawn")
         self._lock = threading.Lock()
         self._open: dict[int, StudioJob] = {}
@@ -92,7 +93,10 @@ class Worker:
         if self._connection is None:
             ours, theirs = self._context.Pipe()
             self._process = self._context.Process(
-                target=work, args=(theirs, self._stopped, self._ahead), daemon=True, name="flowtree-worker"
+                target=work,
+                args=(theirs, self._stopped, self._ahead, self._kept),
+                daemon=True,
+                name="flowtree-worker",
             )
             self._process.start()
             theirs.close()
