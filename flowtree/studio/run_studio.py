@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import signal
 import socket
 import webbrowser
+from types import FrameType
 
 from nicegui import app, ui
 
@@ -40,13 +42,19 @@ def choose_port(wanted: int | None) -> int:
 
 
 def run_studio(session: Session, *, port: int, show: bool) -> None:
-    """Serves a session's page until Ctrl-C.
+    """Serves a session's page until Ctrl-C, or until the process is asked to end: then that is raised.
 
     Args:
         session: what is shown.
         port: a free one.
         show: whether to open the page in a browser.
+
+    Raises:
+        KeyboardInterrupt: it was stopped by a signal.
     """
+    for name in ("SIGTERM", "SIGHUP"):  # end as in order as by Ctrl-C
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), _interrupt)
     add_routes(app, session)
     build_page(session)
     if show:
@@ -62,6 +70,11 @@ def run_studio(session: Session, *, port: int, show: bool) -> None:
         reconnect_timeout=_LONGEST_SILENCE,
         dark=None,
     )
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    del number, frame
+    raise KeyboardInterrupt
 
 
 def _show(address: str) -> None:

@@ -170,6 +170,8 @@ class Session:
         """Pictures of the trees of other seeds, as layers ``variant/SEED``."""
         valid = 0 < len(seeds) <= 12 and all(isinstance(seed, int) and 0 <= seed < 2**63 for seed in seeds)
         check.require(valid, "seeds", "must be 1 to 12 whole numbers from 0", list(seeds)[:12], "send such")
+        some = len(self._document.state.photos) > 0
+        check.require(some, "variants", "need a tree", "a project without photos", "add a photo first")
         self._engine.variants(seeds)
 
     def export(self, kind: str, options: Mapping[str, Any]) -> str:

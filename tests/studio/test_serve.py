@@ -49,7 +49,7 @@ def server(tmp_path_factory):
             time.sleep(0.1)
         yield port, folder
     finally:
-        started.send_signal(signal.SIGINT)
+        started.send_signal(signal.SIGTERM)  # the browser's tests send Ctrl-C
         out, _ = started.communicate(timeout=30)
     assert started.returncode == 0
     assert "saved" in out
