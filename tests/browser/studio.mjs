@@ -5,6 +5,7 @@ const NAMES = [
   "layer_objects", "read_layers", "shortcuts", "photo_board", "tree_viewer",
 ];
 const loaded = await Promise.all(NAMES.map((name) => import(`flowtree-studio/${name}.mjs`)));
+window.scene = await import("nicegui-scene");
 window.studio = Object.assign({}, ...loaded);
 window.sent = [];
 window.board = new studio.PhotoBoard(document.getElementById("board"), (name, value) => sent.push([name, value]));

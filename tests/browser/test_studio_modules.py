@@ -346,3 +346,30 @@ def test_what_a_command_will_do_is_foreseen(page):
     assert after["strokes"][0]["points"] == [[1, 2], [3, 4]]
     assert after["marks"] == {"foot": [7, 8], "top": 2, "seeds": [[5, 6]]}
     assert after["yaw"] == 45
+
+
+@pytest.mark.parametrize(("distance", "eye"), [(18.0, 1.6), (None, None)])
+def test_a_photos_eye_sees_its_plane_fill_the_frame(page, distance, eye):
+    view = {"yaw": 35, "metres_per_pixel": 0.02, "foot": [260, 590], "width": 500, "height": 640}
+    view |= {"distance": distance, "eye": eye}
+    corners, behind = page.evaluate(
+        """view => {
+            const {THREE} = scene, frame = studio.frameOf(view), camera = new THREE.PerspectiveCamera();
+            const {place, target} = studio.aimEye(camera, {view, frame}, 500 / 640, 1, 4);
+            camera.position.set(...place);
+            camera.lookAt(...target);
+            camera.updateMatrixWorld();
+            const at = (px, py, away) => {
+                const [a, b] = [(px - view.foot[0]) * 0.02, (view.foot[1] - py) * 0.02];
+                const {right, toward} = frame;
+                return new THREE.Vector3(right[0] * a + toward[0] * away, b, right[2] * a + toward[2] * away)
+                    .project(camera).toArray();
+            };
+            return [[at(0, 0, 0), at(500, 0, 0), at(500, 640, 0)], at(0, 0, -5)];
+        }""",
+        view,
+    )
+    np.testing.assert_allclose(np.array(corners)[:, :2], [[-1, 1], [1, 1], [1, -1]], atol=1e-3)
+    assert np.abs(np.array(corners)[:, 2]).max() < 1
+    # What lies behind the axis is smaller, unless the photo is a parallel projection.
+    assert behind[0] == pytest.approx(-1, abs=0.02) if distance is None else behind[0] > -0.9

@@ -40,7 +40,7 @@ export function paste(values, width, patch, [left, top, wide, high]) {
 /** The grey values of a picture at a URL. */
 export async function loadGrey(url) {
   const response = await fetch(url);
-  if (!response.ok) throw new Error(`${url}: ${response.status}`);
+  if (response.status !== 200) throw new Error(`${url}: ${response.status}`); // 204: it is no longer to be had
   const bitmap = await createImageBitmap(await response.blob(), { colorSpaceConversion: "none" });
   const { width, height } = bitmap;
   const context = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });

@@ -20,6 +20,34 @@ export function frameOf(view) {
   };
 }
 
+/**
+ * Gives a camera the eye of a photo: it stands where the photo was taken and looks level at the tree's axis, and its
+ * frustum is shifted so that the photo's rectangle, in the plane through the axis, fills the frame.
+ *
+ * @param {THREE.PerspectiveCamera} camera whose projection is set
+ * @param {{view: object, frame: object}} plane
+ * @param {number} aspect of the frame
+ * @param {number} zoom
+ * @param {number} radius of the tree [m]
+ * @returns {{place: number[], target: number[]}} where it stands, and the place of the axis that it looks at
+ */
+export function aimEye(camera, { view, frame }, aspect, zoom, radius) {
+  // A parallel projection is one from very far away.
+  const distance = view.distance ?? 100 * Math.max(frame.width, frame.height);
+  const height = view.distance == null ? frame.middle[1] : view.eye;
+  const aside = frame.middle[0] * frame.right[0] + frame.middle[2] * frame.right[2];
+  const up = frame.middle[1] - height;
+  const high = Math.max(frame.height / 2, frame.width / 2 / aspect) / zoom;
+  const wide = high * aspect;
+  const near = Math.max(distance - 3 * radius, distance / 100);
+  const scale = near / distance;
+  const ends = [aside - wide, aside + wide, up + high, up - high].map((end) => end * scale);
+  camera.projectionMatrix.makePerspective(...ends, near, distance + 10 * radius);
+  camera.projectionMatrixInverse.copy(camera.projectionMatrix).invert();
+  const [x, , z] = frame.toward;
+  return { place: [x * distance, height, z * distance], target: [0, height, 0] };
+}
+
 export class PhotoPlanes {
   constructor() {
     this.group = new THREE.Group();
@@ -65,7 +93,7 @@ export class PhotoPlanes {
   show(standing, over, blend) {
     this.planes.forEach(({ view, frame, mesh }, i) => {
       const front = i === over;
-      const away = this.radius * (front ? 1 : -1);
+      const away = front ? 0 : -this.radius; // what lies over the tree is drawn last, whatever is before it
       mesh.position.set(
         frame.middle[0] + frame.toward[0] * away,
         frame.middle[1],

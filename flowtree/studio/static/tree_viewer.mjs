@@ -2,7 +2,7 @@
 
 import { OrbitControls, THREE } from "nicegui-scene";
 import { FlowPlayer } from "flowtree-studio/flow_player.mjs";
-import { PhotoPlanes, frameOf } from "flowtree-studio/photo_planes.mjs";
+import { aimEye, PhotoPlanes } from "flowtree-studio/photo_planes.mjs";
 import { Ruler } from "flowtree-studio/ruler.mjs";
 import { StageLight } from "flowtree-studio/stage_light.mjs";
 import { SHOWN_AS, ViewerLayers } from "flowtree-studio/viewer_layers.mjs";
@@ -33,7 +33,7 @@ export class TreeViewer {
     this.ruler = new Ruler(this.scene, host);
     this.scene.add(this.planes.group);
     this.perspective = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 0.05, 2000);
-    this.parallel = new THREE.OrthographicCamera(-1, 1, 1, -1, 0.01, 2000);
+    this.eye = new THREE.PerspectiveCamera(); // of the photo that is looked through
     this.camera = this.perspective;
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.enableDamping = true;
@@ -47,10 +47,12 @@ export class TreeViewer {
     this.skeletonBy = "thickness";
     this.blend = 0.5;
     this.view = null;
+    this.zoom = 1; // of what a photo's camera sees
     this.size = { height: 10, radius: 4 };
     this.layers = new ViewerLayers(this.scene);
     this.player = new FlowPlayer(host, () => this.#showTime());
     this.#watchClicks();
+    this.#watchWheel();
     this.renderer.domElement.addEventListener("webglcontextrestored", () => this.#shadow());
     new ResizeObserver(() => this.#resize()).observe(host);
     this.#resize();
@@ -182,19 +184,13 @@ export class TreeViewer {
   /** @param {number | null} index of the view to look from, as its photo did; null is free */
   setView(index) {
     const plane = index === null ? null : this.planes.planes[index];
-    if (!plane) {
-      this.view = null;
-      this.frame();
+    this.view = plane ? index : null;
+    if (plane) {
+      this.zoom = 1;
+      this.#use(this.eye);
+      this.#lookThrough();
     } else {
-      this.view = index;
-      const { middle, toward } = frameOf(plane.view);
-      this.#use(this.parallel);
-      const away = this.size.radius * 4 + 10;
-      this.controls.target.set(...middle);
-      this.camera.position.set(middle[0] + toward[0] * away, middle[1], middle[2] + toward[2] * away);
-      this.camera.zoom = 1;
-      this.#fitParallel();
-      this.controls.update();
+      this.frame();
     }
     this.#apply();
   }
@@ -204,18 +200,19 @@ export class TreeViewer {
     this.#apply();
   }
 
-  #fitParallel() {
-    const { frame } = this.planes.planes[this.view] ?? {};
-    if (!frame) return;
-    const aspect = this.width / this.height;
-    const half = Math.max(frame.height, frame.width / aspect) * 0.51;
-    Object.assign(this.parallel, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
-    this.parallel.updateProjectionMatrix();
+  /** Sees the tree as the photo's camera did, in a frame of another shape. */
+  #lookThrough() {
+    const plane = this.planes.planes[this.view];
+    if (!plane) return;
+    const { place, target } = aimEye(this.eye, plane, this.width / this.height, this.zoom, this.size.radius);
+    this.controls.target.set(...target);
+    this.camera.position.set(...place);
+    this.controls.update();
   }
 
   /** Whether the camera of a photo looks another way than the photo did. */
   #isTurned() {
-    if (this.view === null || this.camera !== this.parallel) return false;
+    if (this.view === null || this.camera !== this.eye) return false;
     const [x, , z] = this.planes.planes[this.view].frame.toward;
     const looks = this.camera.position.clone().sub(this.controls.target).normalize();
     return looks.x * x + looks.z * z < 0.9999;
@@ -236,6 +233,8 @@ export class TreeViewer {
   #use(camera) {
     this.camera = camera;
     this.controls.object = camera;
+    // Whoever moves with a photo's camera no longer sees what it saw.
+    this.controls.enableZoom = this.controls.enablePan = camera === this.perspective;
   }
 
   // Drawing ------------------------------------------------------------------------------------------------
@@ -248,7 +247,7 @@ export class TreeViewer {
     this.renderer.setSize(clientWidth, clientHeight);
     this.perspective.aspect = clientWidth / clientHeight;
     this.perspective.updateProjectionMatrix();
-    this.#fitParallel();
+    if (this.view !== null) this.#lookThrough();
     this.#scale();
     this.#draw();
   }
@@ -294,6 +293,17 @@ export class TreeViewer {
     if (!on) this.ruler.clear();
     this.renderer.domElement.style.cursor = on ? "crosshair" : "";
     this.render();
+  }
+
+  /** In a photo's camera the wheel looks closer, without going nearer. */
+  #watchWheel() {
+    this.renderer.domElement.addEventListener("wheel", (event) => {
+      if (this.view === null) return;
+      event.preventDefault();
+      this.zoom = Math.min(Math.max(this.zoom * Math.exp(-event.deltaY * 0.0012), 0.5), 12);
+      this.#lookThrough();
+      this.render();
+    }, { passive: false });
   }
 
   #watchClicks() {
