@@ -84,7 +84,7 @@ class StudioPage:
             )
 
     def begin(self) -> Callable[[], None]:
-        """Shows the layers that are there, and listens to the session from now on.
+        """Shows what is there, and listens to the session from now on.
 
         Returns: what ends the listening.
         """
@@ -96,6 +96,10 @@ class StudioPage:
         stop = self.bench.session.listen(hear)
         for name, revision in self.bench.session.layers().items():
             self._layer({"name": name, "url": f"/layer/{revision}/{name}"})
+        if self.bench.state["notice"]:
+            self.tell(self.bench.state["notice"], "info")
+        if self.bench.state["problem"]:
+            self._on_failed({"message": self.bench.state["problem"]})
         return stop
 
     def _show_state(self) -> None:
@@ -113,9 +117,11 @@ class StudioPage:
         self.bench.refresh()
 
     def _on_saved(self, event: dict[str, Any]) -> None:
+        self.bench.unsaved = False
         self.bench.refresh()
 
     def _on_unsaved(self, event: dict[str, Any]) -> None:
+        self.bench.unsaved = True
         self.tell(event["message"])
         self.bench.refresh()
 

@@ -40,8 +40,9 @@ class TopBar:
         """Shows the project's name and what can be undone."""
         state = self.bench.state
         self._name.set_text(state["name"])
-        self._saved.set_text("saved" if state["saved"] else "not saved")
-        self._saved.classes(add="" if state["saved"] else "bad", remove="bad" if state["saved"] else "")
+        lost = self.bench.unsaved
+        self._saved.set_text("not saved" if lost else "saved" if state["saved"] else "saving …")
+        self._saved.classes(add="bad" if lost else "", remove="" if lost else "bad")
         for (button, tip), what, word, key in (
             (self._undo, state["undo"], "Undo", "Ctrl+Z"),
             (self._redo, state["redo"], "Redo", "Ctrl+Y"),

@@ -27,6 +27,7 @@ class Workbench:
         acknowledged: number of the last command of the board that the session took or refused.
         mode: which kind of work the board is for.
         photo: number of the photo that is worked on.
+        unsaved: whether the last attempt to save came to nothing.
     """
 
     def __init__(self, session: Session) -> None:
@@ -35,6 +36,7 @@ class Workbench:
         self.acknowledged = 0
         self.mode: Mode = "arrange"
         self.photo = 0
+        self.unsaved = False
         self._jobs: asyncio.Queue[tuple[Job, int | None]] = asyncio.Queue()
         self._gesture = 0
         self._watchers: list[Callable[[], None]] = []
