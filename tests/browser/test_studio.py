@@ -126,7 +126,7 @@ def test_a_branch_is_drawn_and_snaps(studio):
     studio.until(lambda _: any("/cost/0" in url for url in studio.requests), "nothing to snap to")
     studio.page.wait_for_timeout(100)
     graph = studio.layer("graph/0")
-    studio.draw((0.53, 0.74), (0.66, 0.6), (0.7, 0.56))
+    studio.draw((0.52, 0.7), (0.6, 0.61), (0.63, 0.57), (0.69, 0.55))
     state = studio.until(lambda state: state["photos"][0]["strokes"], "no stroke")
     (stroke,) = state["photos"][0]["strokes"]
     assert stroke["snapped"]

@@ -23,9 +23,9 @@ export function voxelCloud({ edge, centres, density }) {
       attribute float density; uniform float edge; uniform float scale; varying vec4 color;
       void main() {
         gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-        gl_PointSize = max(1.0, edge * projectionMatrix[1][1] * scale / gl_Position.w);
+        gl_PointSize = max(1.0, 1.7 * edge * projectionMatrix[1][1] * scale / gl_Position.w);
         float d = sqrt(density);
-        color = vec4(mix(vec3(0.16, 0.42, 0.62), vec3(0.85, 0.95, 0.55), d), 0.06 + 0.5 * d);
+        color = vec4(mix(vec3(0.05, 0.22, 0.36), vec3(0.75, 0.9, 0.35), d), 0.04 + 0.4 * d);
       }`,
     fragmentShader: `
       varying vec4 color;
@@ -38,6 +38,7 @@ export function voxelCloud({ edge, centres, density }) {
   });
   const cloud = new THREE.Points(geometry, material);
   cloud.frustumCulled = false;
+  cloud.renderOrder = 1; // seen through: what is in it is drawn over it
   return cloud;
 }
 
@@ -56,7 +57,9 @@ export function fieldArrows(arrows, length) {
   geometry.setAttribute("position", attribute(positions, 3));
   geometry.setAttribute("color", attribute(colors, 4));
   const material = new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, depthWrite: false });
-  return new THREE.LineSegments(geometry, material);
+  const lines = new THREE.LineSegments(geometry, material);
+  lines.renderOrder = 2;
+  return lines;
 }
 
 /** Particles on their way down, with trails; `setTime` takes steps of the flow. */
@@ -111,12 +114,13 @@ function trailLines(trail, times, uniforms) {
       varying float strength;
       void main() {
         if (strength < 0.0) discard;
-        gl_FragColor = vec4(mix(vec3(0.22, 0.55, 0.75), vec3(0.95, 0.75, 0.35), strength), strength);
+        gl_FragColor = vec4(mix(vec3(0.08, 0.3, 0.5), vec3(0.9, 0.5, 0.1), strength), strength);
         #include <colorspace_fragment>
       }`,
   });
   const lines = new THREE.LineSegments(geometry, material);
   lines.frustumCulled = false;
+  lines.renderOrder = 3;
   return lines;
 }
 
@@ -153,6 +157,7 @@ function fronts(start, goal, span, mass, uniforms) {
   });
   const dots = new THREE.Points(geometry, material);
   dots.frustumCulled = false;
+  dots.renderOrder = 4;
   return dots;
 }
 
