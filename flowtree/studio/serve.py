@@ -38,7 +38,7 @@ def add_routes(app: Starlette, session: Session) -> None:
             raise HTTPException(404)
         current = found.revision == int(request.path_params["revision"])
         if not current and "-part/" in request.path_params["name"]:
-            raise HTTPException(404)  # the box that is known does not belong to it
+            return Response(status_code=204)  # the box that is known does not belong to it
         kept = {"cache-control": _FOREVER if current else "no-store"}
         return Response(found.data, media_type=found.media_type, headers=kept)
 

@@ -14,9 +14,14 @@ import time
 from pathlib import Path
 
 import pytest
+from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
 
 from flowtree.errors import InputError
+from flowtree.studio.layer_shelf import ShownLayer
 from flowtree.studio.run_studio import choose_port
+from flowtree.studio.serve import add_routes
 from tests.pictures import save_pair
 
 _ROUTES = [
@@ -137,3 +142,21 @@ def test_a_port_in_use_is_one_clear_line(server):
     with pytest.raises(InputError, match="1 to 65535"):
         choose_port(99999)
     assert choose_port(None) != server[0]
+
+
+def test_a_box_is_served_only_with_the_matte_it_belongs_to():
+    class Session:
+        def layer(self, name):
+            return ShownLayer(7, "image/png", b"box") if name == "matte-part/0" else None
+
+    app = Starlette()
+    add_routes(app, Session())
+    endpoint = next(route.endpoint for route in app.routes if route.path.startswith("/layer"))
+
+    def ask(revision, name):
+        return endpoint(Request({"type": "http", "path_params": {"revision": revision, "name": name}}))
+
+    assert ask(7, "matte-part/0").body == b"box"
+    assert ask(6, "matte-part/0").status_code == 204, "no error: the page asks for the whole"
+    with pytest.raises(HTTPException):
+        ask(7, "matte-part/1")

@@ -61,7 +61,7 @@ export function softLayers(softness, strength, count = 8) {
 
 export function drawSoft(context, points, color, width, softness, strength) {
   for (const [share, alpha] of softLayers(softness, strength)) {
-    drawLine(context, points, color, width * share, alpha * 0.72);
+    drawLine(context, points, color, width * share, alpha * 0.58);
   }
 }
 
