@@ -33,15 +33,17 @@ def read_drawing(file: Path, frame: _Frame = None) -> _Lines | None:
     """The lines of an SVG, JSON or PNG file, told apart by the file's ending.
 
     SVG: path, polyline, polygon and line elements with all transforms; a viewBox is mapped to the frame.
-    JSON: ``{"strokes": [{"points": [[x, y], …]}, …]}`` or bare ``[[[x, y], …], …]``. PNG: opaque pixels on a
-    transparent or coloured and dark ones on a white ground, thinned to lines.
+    JSON: ``{"strokes": [{"points": [[x, y], …], "width": w}, …]}``, the width where a brush was used, or bare
+    ``[[[x, y], …], …]``. PNG: opaque pixels on a transparent or coloured and dark ones on a white ground,
+    thinned to lines.
 
     Args:
         file: the file.
         frame: name, width and height [pixels] of the picture that the drawing lies on, whose aspect a PNG
             must have; None leaves the drawing in its own units.
 
-    Returns: polylines (k, 2) as (x, y), y downwards; None for a JSON file of marks (`ViewMarks`) alone.
+    Returns: polylines (k, 2) as (x, y), y downwards, those of a brush (k, 3) with its width; None for a JSON
+        file of marks (`ViewMarks`) alone.
 
     Raises:
         InputError: no such file, another ending, malformed, too large, a picture drawn over.
@@ -93,7 +95,14 @@ def _read_json(file: Path, frame: _Frame) -> _Lines | None:
             repr(points)[:40],
             "list pairs of numbers",
         )
-        lines.append(np.array(points, np.float64))
+        line = np.array(points, np.float64)
+        width = stroke.get("width") if isinstance(stroke, dict) else None
+        if width is not None:
+            wide = _is_number(width) and width > 0
+            got = repr(width)[:40]
+            check.require(wide, f"{file.name}, stroke {number}", "needs a width above 0", got, "leave it out")
+            line = np.column_stack([line, np.full(len(line), float(width))])
+        lines.append(line)
     return lines
 
 

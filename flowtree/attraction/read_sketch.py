@@ -24,7 +24,7 @@ def read_sketch(path: str | Path) -> tuple[NDArray[np.float32], ...]:
         InputError: no such file, another ending, malformed, nothing drawn.
     """
     file = Path(path)
-    lines = [drop_repeats(line) for line in read_drawing(file) or []]
+    lines = [drop_repeats(line[:, :2]) for line in read_drawing(file) or []]
     lines = [line for line in lines if len(line) > 1 and arc_lengths(line)[-1] > 0.0]
     check.require(len(lines) > 0, file.name, "needs at least one stroke", "none", "draw a twig")
     return tuple(line.astype(np.float32) for line in lines)

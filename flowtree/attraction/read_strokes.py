@@ -18,16 +18,17 @@ def read_strokes(path: str | Path, photo: Photo) -> tuple[NDArray[np.float32], .
 
     SVG: path, polyline, polygon and line elements with all transforms. A viewBox is mapped to the picture;
     without one the units are pixels of the upright original photo. JSON: ``{"strokes": [{"points": [[x, y],
-    …]}, …]}`` or bare ``[[[x, y], …], …]`` in those pixels; the first form may hold marks (`ViewMarks`)
-    beside the strokes or instead of them. PNG: of the photo's aspect, any size; opaque pixels on a
-    transparent or coloured and dark ones on a white ground, thinned to lines.
+    …], "width": w}, …]}``, the width where a brush was used, or bare ``[[[x, y], …], …]`` in those pixels;
+    the first form may hold marks (`ViewMarks`) beside the strokes or instead of them. PNG: of the photo's
+    aspect, any size; opaque pixels on a transparent or coloured and dark ones on a white ground, thinned to
+    lines.
 
     Args:
         path: the file.
         photo: the photo it belongs to.
 
-    Returns: polylines (k, 2) float32 as (x, y) [working pixels], k >= 2, none wholly outside the picture;
-        nothing for a JSON file of marks alone.
+    Returns: polylines (k, 2) float32 as (x, y) [working pixels], those of a brush (k, 3) with its width, k >=
+        2, none wholly outside the picture; nothing for a JSON file of marks alone.
 
     Raises:
         InputError: no such file, another ending, malformed, without a stroke, a stroke wholly outside.
@@ -41,7 +42,7 @@ def read_strokes(path: str | Path, photo: Photo) -> tuple[NDArray[np.float32], .
     lines = [line for line in lines if len(line) > 1]
     check.require(len(lines) > 0, file.name, "needs at least one stroke", "none", "draw a line")
     for number, line in enumerate(lines):
-        low, top = line.min(axis=0), line.max(axis=0)
+        low, top = line[:, :2].min(axis=0), line[:, :2].max(axis=0)
         outside = bool((top < 0.0).any() or (low > (wide, high)).any())
         check.require(
             not outside,

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
+from scipy.spatial import cKDTree
 from skimage.graph import MCP_Geometric
 
 from flowtree import check
@@ -22,7 +23,7 @@ from flowtree.attraction.shape_branches import shape_branches
 from flowtree.attraction.stem_likeness import stem_likeness
 from flowtree.attraction.weigh_habit import weigh_habit
 from flowtree.attraction.weigh_structures import weigh_structures
-from flowtree.geometry.polylines import drop_repeats
+from flowtree.geometry.polylines import drop_repeats, subdivide_polyline
 from flowtree.geometry.projection import pixels_to_plane
 from flowtree.model.attractor import AttractorGraph, Habit
 from flowtree.model.camera import Camera
@@ -41,6 +42,7 @@ _OPEN = 0.35  # mean alpha around, up to which it stands alone
 _UPRIGHT_MERGING = 0.4  # times the merging: limbs of an upright crown stay apart
 _GROUND = 0.06  # of the height: no limb ends lower
 _BARRED = 10.0  # times dearer: beside the stem below a given first fork
+_TOUCHED = 1.0  # cells: a node as near as this to a brush stroke lies on it
 _CLOSED = 1e4  # times dearer: that stem itself, so that no other path joins it
 
 _Array = NDArray[np.float64]
@@ -70,8 +72,9 @@ def trace_attractor_graph(
         photo: the picture.
         matte: of the same size.
         camera: of the view; only its foot and scale are used.
-        strokes: polylines (k, 2) [working pixels] that become branches exactly as drawn. With
-            ``params.automatic`` off they and ``seeds``, where there are any, are the whole graph.
+        strokes: polylines (k, 2) [working pixels] that become branches exactly as drawn, those of a brush
+            (k, 3) with its width, which is then the branch's. With ``params.automatic`` off they and
+            ``seeds``, where there are any, are the whole graph.
         seeds: (n, 2) [working pixels], besides the ``params.seed_count`` automatic ones.
         target: (x, y) [working pixels] of the stem's first fork, to which all paths lead; the stem from the
             foot passes exactly through it. None is the foot.
@@ -88,7 +91,8 @@ def trace_attractor_graph(
         InputError: an empty matte, a size that differs from the photo's, a stroke of one point, seeds or
             target outside the picture, a target not above the foot, NaN, nothing to trace at all.
     """
-    lines = [_line(stroke, k) for k, stroke in enumerate(strokes)]
+    drawn = [_line(stroke, k) for k, stroke in enumerate(strokes)]
+    lines = [line[:, :2] for line in drawn]
     given = _inside(np.zeros((0, 2)) if seeds is None else seeds, camera, "seeds")
     fork = None if target is None else _inside([target], camera, "target")[0]
     if fork is not None:
@@ -164,16 +168,28 @@ def trace_attractor_graph(
     plane = pixels_to_plane(pixels, camera).astype(np.float32)
     plane[0] = 0.0  # exactly: rounding is no part of the foot
     width = np.where(shown[tuple(grid.cell_at(points).T)], widths.at(pixels), np.nan)
+    width = _brushed(width, pixels, drawn, _TOUCHED / grid.scale)
     return AttractorGraph(parent, plane, (width * camera.metres_per_pixel).astype(np.float32))
 
 
 def _line(stroke: ArrayLike, number: int) -> _Array:
     thing = f"stroke {number}"
-    line = drop_repeats(check.array(stroke, thing, shape=(None, 2), dtype=np.float64))
+    columns = 3 if np.ndim(stroke) == 2 and np.shape(stroke)[1] == 3 else 2
+    line = drop_repeats(check.array(stroke, thing, shape=(None, columns), dtype=np.float64))
     check.require(
         len(line) >= 2, thing, "needs two different points", f"{len(line)}", "draw it longer or leave it out"
     )
     return line
+
+
+def _brushed(width: _Array, pixels: _Array, drawn: Sequence[_Array], near: float) -> _Array:
+    """The half widths (n,) [pixels], those of brush strokes where nodes (n, 2) [pixels] lie on one."""
+    for line in drawn:
+        if line.shape[1] > 2:
+            path = subdivide_polyline(line[:, :2], near)
+            distance, _ = cKDTree(path).query(pixels)
+            width = np.where(distance <= near, 0.5 * line[0, 2], width)
+    return width
 
 
 def _inside(points: ArrayLike, camera: Camera, thing: str) -> _Array:

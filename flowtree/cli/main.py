@@ -19,6 +19,7 @@ from flowtree.cli.matte import matte
 from flowtree.cli.params import params
 from flowtree.cli.reconstruct import reconstruct
 from flowtree.cli.render import render
+from flowtree.cli.studio import studio
 from flowtree.cli.warmup import warmup
 from flowtree.errors import FlowtreeError
 
@@ -31,7 +32,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (demo, reconstruct, grow, render, matte, params, inspect, warmup):
+for command in (demo, reconstruct, grow, studio, render, matte, params, inspect, warmup):
     app.command()(command)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+_EMPTY, _FULL = np.float32(0.0), np.float32(1.0)
 _STEP = np.float32(8.0**-0.5)  # of both the primal and the dual variable: their product times 8 is at most 1
 
 
@@ -35,18 +36,28 @@ def cut_regions(
     right, down = np.zeros_like(label), np.zeros_like(label)
     flow, new = np.empty_like(label), np.empty_like(label)
     gain = _STEP * odds
+    least_right, least_down = -cost_right, -cost_down
+    step_right, step_down = np.empty_like(label[:, :-1]), np.empty_like(label[:-1])
     for _ in range(rounds):
-        right[:, :-1] += _STEP * (ahead[:, 1:] - ahead[:, :-1])
-        down[:-1] += _STEP * (ahead[1:] - ahead[:-1])
-        np.clip(right, -cost_right, cost_right, out=right)
-        np.clip(down, -cost_down, cost_down, out=down)
+        # Written over itself, and with bounds apart: half of the time went to fresh memory and to `np.clip`.
+        np.subtract(ahead[:, 1:], ahead[:, :-1], out=step_right)
+        step_right *= _STEP
+        right[:, :-1] += step_right
+        np.subtract(ahead[1:], ahead[:-1], out=step_down)
+        step_down *= _STEP
+        down[:-1] += step_down
+        np.maximum(right, least_right, out=right)
+        np.minimum(right, cost_right, out=right)
+        np.maximum(down, least_down, out=down)
+        np.minimum(down, cost_down, out=down)
         np.add(right, down, out=flow)
         flow[:, 1:] -= right[:, :-1]
         flow[1:] -= down[:-1]
         flow *= _STEP
         np.add(label, flow, out=new)
         new += gain
-        np.clip(new, 0.0, 1.0, out=new)
+        np.maximum(new, _EMPTY, out=new)
+        np.minimum(new, _FULL, out=new)
         np.multiply(new, np.float32(2.0), out=ahead)
         ahead -= label
         label, new = new, label

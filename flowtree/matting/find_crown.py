@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+_OUTERMOST = 0.03  # share of a row's pixels beyond its edge on each side
 _MARGIN = 0.03  # of the height: hedges are uneven by that much above the horizon
 
 
@@ -92,7 +93,7 @@ def _outline(
     height, width = core.shape
     edges = np.full((height, 2), np.nan)
     for row in np.flatnonzero(core.sum(axis=1) > 1):
-        edges[row] = np.quantile(np.flatnonzero(core[row]), (0.03, 0.97))
+        edges[row] = _inner_columns(np.flatnonzero(core[row]))
     filled = ~np.isnan(edges[:, 0])
     if not filled.any():
         return np.full(height, centre), np.full(height, centre)
@@ -114,6 +115,15 @@ def _outline(
         lines.append(_continue_edge(known, edges[known, side], sign, height))
     _mirror_edge(lines, ends, centre)
     return lines[0], lines[1]
+
+
+def _inner_columns(columns: NDArray[np.intp]) -> tuple[float, float]:
+    """The 3rd and 97th percentile of ascending columns; `np.quantile` takes ten times as long for so few."""
+    place = _OUTERMOST * (len(columns) - 1)
+    low = int(place)
+    left = columns[low] + (columns[low + 1] - columns[low]) * (place - low)
+    right = columns[-1 - low] - (columns[-1 - low] - columns[-2 - low]) * (place - low)
+    return float(left), float(right)
 
 
 def _mirror_edge(lines: list[NDArray[np.float64]], ends: list[int], centre: float) -> None:

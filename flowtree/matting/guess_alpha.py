@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree import check
+from flowtree.geometry.solve_symmetric import solve_symmetric
 from flowtree.matting.describe_pixels import describe_pixels
 from flowtree.matting.find_crown import Crown, find_crown
 from flowtree.matting.find_sky import FAR, NEAR, Sky, find_sky
@@ -17,7 +18,7 @@ from flowtree.matting.release_sky import release_sky
 from flowtree.matting.solve_alpha import KNOWN
 from flowtree.matting.trace_trunk import Trunk, trace_trunk
 
-TREE, BACKGROUND, UNKNOWN = 1, 2, 3  # labels of scribbles
+TREE, BACKGROUND, OCCLUDER, UNKNOWN = 1, 2, 3, 4  # labels of scribbles
 _WEAK, _OPEN, _FIRM = 0.02, 0.01, 5.0  # confidences: an estimate, an edge of the trunk, almost certain
 _REMEDY = "scribble on the tree and beside it, or pick their colours"
 _BELOW = 0.15  # how far below the horizon the crown's outline is trusted [heights]
@@ -36,7 +37,7 @@ def guess_alpha(
 
     Args:
         prepared: the photo, its small picture of h x w pixels.
-        scribbles: (h, w), 0 nothing, 1 tree, 2 background, 3 unknown.
+        scribbles: (h, w), 0 nothing, 1 tree, 2 background, 3 an occluder, 4 unknown.
 
     Returns: alpha and confidence, both (h, w), as `solve_alpha` takes them.
 
@@ -80,7 +81,7 @@ def guess_alpha(
         for label, value in ((TREE, 1.0), (BACKGROUND, 0.0)):
             alpha[scribbles == label] = value
             confidence[scribbles == label] = KNOWN
-        confidence[scribbles == UNKNOWN] = _OPEN
+        confidence[scribbles >= OCCLUDER] = _OPEN
     share = float(alpha.mean())
     check.require(share > 0.001, name, "must show a tree", "no tree found", _REMEDY)
     check.require(share < 0.98, name, "must show something beside the tree", "one thing all over", _REMEDY)
@@ -175,7 +176,7 @@ def _split(
         # Fisher's direction: lights and shadows among the leaves count less than what tells leaf from sky.
         apart = colors.mean - sky.colors.mean
         spread = colors.floored(_NOISE) + sky.colors.floored(_NOISE)
-        direction = np.linalg.solve(spread, apart[..., None])[..., 0]
+        direction = solve_symmetric(spread, apart)
         length = np.maximum((apart * direction).sum(axis=2), 1e-3)
         along = np.clip(((lab - sky.colors.mean) * direction).sum(axis=2) / length, 0.0, 1.0)
         along += (1.0 - along) * taken

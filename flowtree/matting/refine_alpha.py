@@ -8,6 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from flowtree.geometry.solve_symmetric import solve_symmetric
+
 _REACH, _SMOOTHNESS = 2, 1e-4  # window [pixels of the small picture] and regularisation of the colour lines
 
 
@@ -35,7 +37,7 @@ def refine_alpha(
             spread[..., i, j] = spread[..., j, i] = product
     shared = mean(guide * alpha[..., None]) - mean_guide * mean_alpha[..., None]
     spread += np.float32(_SMOOTHNESS) * np.eye(3, dtype=np.float32)
-    slope = np.linalg.solve(spread, shared[..., None])[..., 0]
+    slope = solve_symmetric(spread, shared)
     offset = mean_alpha - (slope * mean_guide).sum(axis=2)
     size = (full.shape[1], full.shape[0])
     lines = cv2.resize(mean(np.dstack([slope, offset])), size, interpolation=cv2.INTER_LINEAR)

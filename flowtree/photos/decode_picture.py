@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
@@ -15,12 +13,11 @@ from PIL import Image, UnidentifiedImageError
 
 from flowtree import check
 from flowtree.params import PhotoParams
+from flowtree.photos.lift_pillow_cap import lift_pillow_cap
 from flowtree.photos.read_focal_length import read_focal_length
 
 _LEAST_SIDE = 16
 _ORIENTATION = 0x0112
-# Pillow's own cap is a global that warns; ours is a parameter and an error. One thread changes it at a time.
-_PILLOW = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -54,13 +51,8 @@ def decode_picture(path: str | Path, *, side: int | None, params: PhotoParams = 
     file = Path(path)
     check.require(file.exists(), file.name, "must be a picture file", "no such file", "check the path")
     check.require(file.is_file(), file.name, "must be a picture file", "a directory", "name a file in it")
-    with _PILLOW, warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # damaged metadata does not matter where the pixels are sound
-        cap, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None
-        try:
-            return _decode(file, side, params.max_megapixels)
-        finally:
-            Image.MAX_IMAGE_PIXELS = cap
+    with lift_pillow_cap():
+        return _decode(file, side, params.max_megapixels)
 
 
 def _decode(file: Path, side: int | None, max_megapixels: float) -> Picture:

@@ -21,6 +21,8 @@ _KINDS = ("add", "erase", "direct")
 _LARGEST_FILE = 64_000_000  # bytes of JSON
 _FARTHEST = 1e9  # pixels; also refuses NaN, infinity and whole numbers no float can hold
 _SUBPIXEL = 4  # fractional bits of cv2's drawing
+_SOFT = 0.5  # share of the brush's radius over which it fades, where nothing is said
+_HARDEST = 1e-3  # of the same
 _LAYERS = '{"layers": [{"kind": "add", "width": 40, "strength": 0.8, "points": [[x, y], …]}, …]}'
 
 
@@ -32,9 +34,9 @@ def read_painted_edit(path: str | Path, photo: Photo, *, params: PhotoParams = P
 
     JSON is ``{"layers": [{"kind": "add", "width": 40, "strength": 0.8, "points": [[x, y], …]}, …]}``; width
     and points are in pixels of the upright original photo, (0, 0) its upper left corner. "add" and "erase"
-    are strokes of a round soft brush, full in the inner half of its width; the strength, 0 to 1, is 1 if
-    left out. "direct" makes particles within ``width`` of the stroke flow along it, from its first point to
-    its last.
+    are strokes of a round brush that fades over the outer ``"softness"``, 0 to 1, of its radius, one half if
+    left out; the strength, 0 to 1, is 1 if left out. "direct" makes particles within ``width`` of the stroke
+    flow along it, from its first point to its last.
 
     Args:
         path: the file.
@@ -89,24 +91,24 @@ def _from_json(file: Path, photo: Photo) -> PaintedEdit:
     directions, reach = [], []
     for number, layer in enumerate(content["layers"]):
         name = f"{file.name}, layer {number}"
-        kind, width, strength, line = _parse_layer(layer, name, photo)
+        kind, width, strength, softness, line = _parse_layer(layer, name, photo)
         if kind == "direct":
             directions.append(line.astype(np.float32))
             reach.append(width)
         elif strength > 0.0:
             before = painted.setdefault(kind, np.zeros(photo.rgb.shape[:2], np.float32))
-            cover = np.float32(strength) * _brush(line, width, before.shape)
+            cover = np.float32(strength) * _brush(line, width, softness, before.shape)
             painted[kind] = (before + cover - before * cover).astype(np.float32)
     return PaintedEdit(painted.get("add"), painted.get("erase"), tuple(directions), tuple(reach))
 
 
-def _parse_layer(layer: Any, name: str, photo: Photo) -> tuple[str, float, float, NDArray[np.float64]]:
-    """Kind, width [working pixels], strength and points (n, 2) [working pixels] of one layer."""
+def _parse_layer(layer: Any, name: str, photo: Photo) -> tuple[str, float, float, float, NDArray[np.float64]]:
+    """Kind, width [working pixels], strength, softness and points (n, 2) [working pixels] of one layer."""
     check.require(
         isinstance(layer, dict), name, "must be an object", type(layer).__name__, f"write {_LAYERS}"
     )
     kind, points = layer.get("kind"), layer.get("points")
-    width, strength = layer.get("width", 40), layer.get("strength", 1)
+    width, strength, softness = layer.get("width", 40), layer.get("strength", 1), layer.get("softness", _SOFT)
     known = isinstance(kind, str) and kind in _KINDS
     check.require(known, name, f"needs a kind ({', '.join(_KINDS)})", repr(kind)[:40], "name one of them")
     widest = (photo.rgb.shape[0] + photo.rgb.shape[1]) / photo.scale
@@ -114,6 +116,8 @@ def _parse_layer(layer: Any, name: str, photo: Photo) -> tuple[str, float, float
     check.require(wide, name, f"needs a width from 0 to {widest:.0f}", repr(width)[:40], "give it in pixels")
     strong = _is_number(strength) and 0 <= strength <= 1
     check.require(strong, name, "needs a strength from 0 to 1", repr(strength)[:40], "give a share")
+    soft = _is_number(softness) and 0 <= softness <= 1
+    check.require(soft, name, "needs a softness from 0 to 1", repr(softness)[:40], "give a share")
     pairs = isinstance(points, list) and len(points) > 0 and all(_is_pair(point) for point in points)
     check.require(
         pairs, name, "needs points [[x, y], …]", repr(points)[:40], "list at least one pair of numbers"
@@ -131,11 +135,13 @@ def _parse_layer(layer: Any, name: str, photo: Photo) -> tuple[str, float, float
         f"points from {np.min(points, axis=0).tolist()} to {np.max(points, axis=0).tolist()}",
         "give them in pixels of the upright photo",
     )
-    return str(kind), float(width) * photo.scale, float(strength), line
+    return str(kind), float(width) * photo.scale, float(strength), float(softness), line
 
 
-def _brush(line: NDArray[np.float64], width: float, shape: tuple[int, ...]) -> NDArray[np.float32]:
-    """The cover (h, w) of a round brush drawn along a line: 1 in the inner half, falling to 0 at its rim."""
+def _brush(
+    line: NDArray[np.float64], width: float, softness: float, shape: tuple[int, ...]
+) -> NDArray[np.float32]:
+    """The cover (h, w) of a round brush drawn along a line: 1 inside, falling to 0 at its rim."""
     # Drawing is in 32-bit fixed point: what lies far out must not wrap around.
     far = 4.0 * sum(shape)
     line = np.concatenate([line, line[-1:]])  # a line of one point draws nothing, one to itself a dot
@@ -146,7 +152,9 @@ def _brush(line: NDArray[np.float64], width: float, shape: tuple[int, ...]) -> N
         return np.zeros(shape, np.float32)
     distance = cv2.distanceTransform(spine, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     # Half a pixel more: a brush narrower than a pixel still leaves a trace.
-    fade = np.clip((distance - 0.5) / max(0.5 * width, 0.5) * 2.0 - 1.0, 0.0, 1.0)
+    away = (distance - 0.5) / max(0.5 * width, 0.5)
+    soft = max(softness, _HARDEST)
+    fade = np.clip((away - (1.0 - soft)) / soft, 0.0, 1.0)
     return np.asarray(1.0 - fade * fade * (3.0 - 2.0 * fade), np.float32)
 
 

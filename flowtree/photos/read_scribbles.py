@@ -16,7 +16,7 @@ from flowtree.photos.decode_picture import decode_picture
 from flowtree.photos.read_drawn_json import is_number, is_pair, read_drawn_json
 from flowtree.photos.read_trimap import require_aspect
 
-_LABELS = {"tree": 1, "background": 2, "occluder": 3, "unknown": 3}
+_LABELS = {"tree": 1, "background": 2, "occluder": 3, "unknown": 4}
 _SUBPIXEL = 4  # fractional bits of cv2's drawing
 _STROKES = '{"strokes": [{"label": "tree", "width": 8, "points": [[x, y], …]}, …]}'
 
@@ -32,9 +32,10 @@ def read_scribbles(
     pixels, the label that covers most of a pixel counts.
 
     JSON is ``{"strokes": [{"label": "tree", "width": 8, "points": [[x, y], …]}, …]}`` with the labels "tree",
-    "background" and "occluder" ("unknown" says the same); width and points are in pixels of the upright
-    original photo, (0, 0) its upper left corner. A stroke of one point is a dot; a later stroke covers an
-    earlier one. A stroke may leave the picture, but not lie wholly outside it.
+    "background", "occluder" and "unknown", where the pixels shall decide and no judgement of ours; width and
+    points are in pixels of the upright original photo, (0, 0) its upper left corner. A stroke of one point is
+    a dot; a later stroke covers an earlier one. A stroke may leave the picture, but not lie wholly outside
+    it.
 
     Args:
         path: the file.
@@ -42,7 +43,7 @@ def read_scribbles(
         params: the cap on pixels.
 
     Returns:
-        (h, w) uint8 of the photo's size: 0 nothing, 1 tree, 2 background, 3 an occluder.
+        (h, w) uint8 of the photo's size: 0 nothing, 1 tree, 2 background, 3 an occluder, 4 unknown.
 
     Raises:
         InputError: no such file, malformed, another aspect than the photo's, a stroke outside, no stroke.

@@ -20,7 +20,7 @@ def straighten_lines(
     """Moves places with their picture; nothing is touched where the placement has no warp.
 
     Args:
-        strokes: polylines (k, 2) [pixels of the photograph].
+        strokes: polylines (k, 2) [pixels of the photograph], or (k, 3) with a brush's width.
         marks: of places in it.
         placement: of the tree in it.
 
@@ -34,6 +34,13 @@ def straighten_lines(
     def moved(line: NDArray[Any]) -> NDArray[np.float32]:
         return move_places(back, line).astype(np.float32)
 
+    def redrawn(line: NDArray[Any]) -> NDArray[np.float32]:
+        places, width = moved(line[:, :2]), line[:, 2:]
+        if width.size:
+            before, after = (_length(points) for points in (line[:, :2], places))
+            width = width * (after / before if before > 0.0 else 1.0)
+        return np.column_stack([places, width]).astype(np.float32)
+
     fork = None if marks.fork is None else move_places(back, np.array([marks.fork]))[0]
     top = None if marks.top is None else move_places(back, np.array([[foot[0], marks.top]]))[0]
     placed = replace(
@@ -43,7 +50,11 @@ def straighten_lines(
         fork=None if fork is None else (float(fork[0]), float(fork[1])),
         seeds=moved(marks.seeds),
     )
-    return tuple(moved(line) for line in strokes), placed
+    return tuple(redrawn(line) for line in strokes), placed
+
+
+def _length(points: NDArray[Any]) -> float:
+    return float(np.linalg.norm(np.diff(points.astype(np.float64), axis=0), axis=1).sum())
 
 
 def move_places(matrix: NDArray[np.float64], points: NDArray[Any]) -> NDArray[np.float64]:

@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree import check
-from flowtree.matting.extract_matte import extract_matte
+from flowtree.matting.cut_out_tree import CutOut, cut_out_tree
+from flowtree.matting.extract_matte import color_matte
 from flowtree.matting.paint_matte import paint_matte
+from flowtree.matting.prepare_photo import PreparedPhoto, prepare_photo
 from flowtree.model.edit import PaintedEdit
 from flowtree.model.marks import ViewMarks
 from flowtree.model.matte import Matte
@@ -73,13 +75,32 @@ def run_marks(job: Job, photo: Photo, given: Path | ViewMarks | None, mirrored: 
     return mirror_marks(marks, photo.rgb.shape[1]) if mirrored else marks
 
 
-def run_matting(job: Job, photo: Photo, trimap: Any, scribbles: Any) -> Matte:
-    """One alpha matte, steered by what is given."""
+def run_preparing(job: Job, photo: Photo, trimap: Any) -> PreparedPhoto | None:
+    """What matting finds out about a photo before anybody scribbles on it; nothing where it will not ask."""
+    if photo.alpha is not None or trimap is not None:
+        return None
+    return prepare_photo(photo, params=job.params.matting)
+
+
+def run_matting(
+    job: Job, photo: Photo, prepared: PreparedPhoto | None, trimap: Any, scribbles: Any
+) -> CutOut:
+    """One photo's alpha, steered by what is given."""
+    if prepared is not None:  # of an equal photo, but not always of the same object
+        prepared = replace(prepared, photo=photo)
     if isinstance(trimap, Path):
         trimap = read_trimap(trimap, photo, params=job.params.photos)
     if isinstance(scribbles, Path):
         scribbles = read_scribbles(scribbles, photo, params=job.params.photos)
-    return extract_matte(photo, trimap=trimap, scribbles=scribbles, params=job.params.matting)
+    return cut_out_tree(
+        photo, trimap=trimap, scribbles=scribbles, prepared=prepared, params=job.params.matting
+    )
+
+
+def run_coloring(job: Job, photo: Photo, cut: CutOut) -> Matte:
+    """The matte with the tree's own colours."""
+    del job
+    return color_matte(photo, cut)
 
 
 def run_painting(
@@ -118,7 +139,7 @@ def _flip(picture: Any) -> Any:
 
 
 def _flip_line(line: NDArray[np.float32], width: int) -> NDArray[np.float32]:
-    return np.stack([np.float32(width) - line[:, 0], line[:, 1]], axis=1)
+    return np.column_stack([np.float32(width) - line[:, :1], line[:, 1:]])
 
 
 def run_sketch(job: Job, source: Path | None) -> TwigShapes | None:

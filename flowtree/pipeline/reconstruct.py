@@ -86,6 +86,7 @@ def reconstruct(
     cancel: Callable[[], bool] | None = None,
     cache: StageCache | None = None,
     device: str | None = None,
+    made: Callable[[str, Mapping[str, Any]], None] | None = None,
 ) -> Reconstruction:
     """Makes a tree from one or more photographs of it (Particle Flows).
 
@@ -109,6 +110,7 @@ def reconstruct(
         cancel: asked again and again; true stops the work.
         cache: results of earlier calls; pass the same one each time to repeat only what changed.
         device: "cpu" or "cuda"; None picks.
+        made: called when a stage is done, with its name and what it made, by name (see `run_stages`).
 
     Returns: views, volume, traces, skeleton, tree and report.
 
@@ -163,32 +165,34 @@ def reconstruct(
     chosen = pick_device(device)
     job = Job(params=params, seed=seed, device=chosen)
     Thread(target=load_steps, name="flowtree-imports").start()
-    run = run_stages(STAGES, sources, job, views=views, cache=cache, progress=progress, cancel=cancel)
-    made = run.values
+    run = run_stages(
+        STAGES, sources, job, views=views, cache=cache, progress=progress, cancel=cancel, made=made
+    )
+    values = run.values
     report = build_report(
-        photos=made["photos"],
-        mattes=made["mattes"],
-        cameras=made["cameras"],
-        placements=made["placements"],
-        soft_ious=made["soft_ious"],
-        tree=made["tree"],
-        watertight=made["watertight"],
+        photos=values["photos"],
+        mattes=values["mattes"],
+        cameras=values["cameras"],
+        placements=values["placements"],
+        soft_ious=values["soft_ious"],
+        tree=values["tree"],
+        watertight=values["watertight"],
         seconds=run.seconds,
         seed=seed,
         device=chosen,
         warnings=warnings,
     )
     return Reconstruction(
-        photos=made["photos"],
-        mattes=made["mattes"],
-        cameras=made["cameras"],
-        volume=made["volume"],
-        graphs=made["graphs"],
-        fields=made["fields"],
-        traces=made["traces"],
-        skeleton=made["skeleton"],
-        tree=made["tree"],
-        asset=made["asset"],
+        photos=values["photos"],
+        mattes=values["mattes"],
+        cameras=values["cameras"],
+        volume=values["volume"],
+        graphs=values["graphs"],
+        fields=values["fields"],
+        traces=values["traces"],
+        skeleton=values["skeleton"],
+        tree=values["tree"],
+        asset=values["asset"],
         report=report,
     )
 

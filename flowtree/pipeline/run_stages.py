@@ -49,6 +49,7 @@ def run_stages(
     progress: Callable[[str, float], None] | None = None,
     cancel: Callable[[], bool] | None = None,
     until: str | None = None,
+    made: Callable[[str, Mapping[str, Any]], None] | None = None,
 ) -> Run:
     """Runs the stages, each as soon as what it reads is there, on as many threads as there are cores.
 
@@ -67,6 +68,8 @@ def run_stages(
             0..1: when it or one of its views begins, when another ends beside it, and with 1 at the end.
         cancel: asked in the caller's thread before every stage and view; true stops the run.
         until: the last stage to run; None runs all.
+        made: called in the caller's thread when all of a stage is done, with its name and what it made, by
+            name; the stages that can begin then wait for its return.
 
     Raises:
         CancelledError: ``cancel`` said so.
@@ -94,8 +97,10 @@ def run_stages(
                     progress(turn.stage.name, table.done)
                 # What nothing can run beside stays in the caller's thread, where Ctrl-C stops it at once.
                 workers.start(turn, here=workers.count == 1 or not (table.ready or workers.busy))
-            for turn, made in workers.finished():
-                table.finish(turn, made)
+            for turn, result in workers.finished():
+                table.finish(turn, result)
+                if made is not None and turn.stage.name in table.seconds:
+                    made(turn.stage.name, {name: _data(board[name]) for name in turn.stage.outputs})
             if progress is not None and workers.busy:
                 progress(min(workers.busy, key=_order).stage.name, table.done)
     if table.fault is not None:
@@ -184,7 +189,7 @@ class _Table:
             if stage.splits:  # by content: a view of which nothing changed is not computed again
                 self._board[name] = tuple(_Value(data, digest(data)) for data in results[0][1][k])
                 continue
-            values = tuple(_Value(made[k], f"{key}/{name}") for key, made in results)
+            values = tuple(_Value(made[k], _result_key(made[k], f"{key}/{name}")) for key, made in results)
             self._board[name] = values if stage.each_view else values[0]
 
     def _list_ready(self) -> None:
@@ -268,6 +273,11 @@ class _Workers:
                 raise error
             found.append((self._running.pop(job), job.result() if error is None else error))
         return sorted(found, key=lambda each: each[0].order)
+
+
+def _result_key(data: Any, key: str) -> str:
+    """By content where that costs nothing: a judgement that comes out the same changes nothing behind it."""
+    return digest(data) if isinstance(data, bool | str) else key
 
 
 def _order(turn: _Turn) -> tuple[int, int]:

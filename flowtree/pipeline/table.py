@@ -57,13 +57,30 @@ STAGES: tuple[Stage, ...] = (
         share=0.01,
     ),
     Stage(
+        name="preparing",  # apart from matting: no scribble changes it
+        run=photo_steps.run_preparing,
+        inputs=("raw_photo", "trimap_source"),
+        outputs=("prepared_photo",),
+        params=("matting",),
+        each_view=True,
+        share=1.5,
+    ),
+    Stage(
         name="matting",
         run=photo_steps.run_matting,
-        inputs=("raw_photo", "trimap_source", "scribbles_source"),
-        outputs=("raw_matte",),
+        inputs=("raw_photo", "prepared_photo", "trimap_source", "scribbles_source"),
+        outputs=("raw_cut",),
         params=("photos", "matting"),
         each_view=True,
-        share=3.5,
+        share=1.6,
+    ),
+    Stage(
+        name="coloring",
+        run=photo_steps.run_coloring,
+        inputs=("raw_photo", "raw_cut"),
+        outputs=("raw_matte",),
+        each_view=True,
+        share=0.4,
     ),
     Stage(
         name="painting",

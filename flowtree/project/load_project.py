@@ -9,7 +9,8 @@ from typing import Any
 from flowtree import check
 from flowtree.configuration import load_params, params_from_table
 from flowtree.project.project import PER_PHOTO, Project
-from flowtree.project.save_project import FORMAT, PICTURE_PARAMS
+from flowtree.project.save_project import PICTURE_PARAMS
+from flowtree.project.write_folder import FORMAT
 
 _SAVE_AGAIN = "save it again with `flowtree reconstruct PHOTO … --project DIR`"
 
@@ -34,7 +35,7 @@ def load_project(folder: str | Path) -> Project:
     got = table.get("flowtree_project") if isinstance(table, dict) else type(table).__name__
     check.require(known, name, f"must be a flowtree project of format {FORMAT}", repr(got), _SAVE_AGAIN)
     photos = table.get("photos")
-    listed = isinstance(photos, list) and len(photos) > 0
+    listed = isinstance(photos, list)
     check.require(listed, name, "needs a list of photos", repr(photos)[:60], _SAVE_AGAIN)
     copies = tuple(_file(base, place, name) for place in photos)
     params = load_params(base / "params.toml")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from flowtree.pipeline.cache import StageCache
 from flowtree.pipeline.reconstruct import Reconstruction, reconstruct
@@ -16,6 +17,7 @@ def reconstruct_project(
     cancel: Callable[[], bool] | None = None,
     cache: StageCache | None = None,
     device: str | None = None,
+    made: Callable[[str, Mapping[str, Any]], None] | None = None,
 ) -> Reconstruction:
     """The same tree as `reconstruct` makes from the same photos, files, parameters and seed.
 
@@ -38,4 +40,5 @@ def reconstruct_project(
         cancel=cancel,
         cache=cache,
         device=device,
+        made=made,
     )

@@ -46,6 +46,8 @@ LIBRARIES = {
     "warp": {"device", "kernels", *STAGES},  # stages name its types; only device.py launches
     "pydantic": {"params", "configuration", "pipeline"},
     "typer": {"cli"},
+    "nicegui": {"studio"},
+    "starlette": {"studio"},
     "rich": {"cli"},
     "PIL": {"photos", "attraction", "render", "meshing", "foliage", "export"},
     "cv2": {

@@ -173,3 +173,17 @@ def test_a_png_that_would_fill_the_memory_is_refused_whatever_pillow_is_set_to(t
     monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", None)  # as another thread may have it for a moment
     with pytest.raises(InputError, match="at most 89 megapixels, but got 20000 x 20000"):
         read_strokes(file, PHOTO)
+
+
+def test_a_brush_has_its_width_in_working_pixels(tmp_path):
+    file = tmp_path / "strokes.json"
+    points = [[40, 20], [40, 100]]
+    file.write_text(json.dumps({"strokes": [{"points": points, "width": 10}, {"points": points}]}))
+    brush, pen = read_strokes(file, PHOTO)
+    assert brush.shape == (2, 3)
+    assert (brush[:, 2] == np.float32(10 * PHOTO.scale)).all()
+    assert (brush[:, :2] == pen).all()
+    for width in (0, -1, "wide", True):
+        file.write_text(json.dumps({"strokes": [{"points": points, "width": width}]}))
+        with pytest.raises(InputError, match="needs a width"):
+            read_strokes(file, PHOTO)

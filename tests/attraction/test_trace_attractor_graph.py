@@ -225,3 +225,18 @@ def test_the_true_stem_is_found():
     stem = np.array(truth["stems"][0])[:, :2] * scale
     lower = stem[stem[:, 1] < 4.0]
     assert np.median(distance_to(lower, graph)) < 0.15
+
+
+def test_a_brush_stroke_is_a_limb_of_its_width():
+    photo, matte, camera = scene(lollipop())
+    line = np.array([[100.0, 150.0], [80.0, 100.0], [60.0, 60.0]])
+    pen = trace_attractor_graph(photo, matte, camera, strokes=[line])
+    brush = trace_attractor_graph(photo, matte, camera, strokes=[np.c_[line, np.full(3, 12.0)]])
+    assert (pen.points == brush.points).all()
+    assert (pen.parent == brush.parent).all()
+    changed = ~((pen.half_width == brush.half_width) | np.isnan(pen.half_width) & np.isnan(brush.half_width))
+    assert changed.sum() >= 5
+    assert np.allclose(brush.half_width[changed], 6.0 * camera.metres_per_pixel)
+    drawn = pixels_to_plane(line, camera)
+    low, high = drawn.min(axis=0) - 0.1, drawn.max(axis=0) + 0.1
+    assert ((brush.points[changed] >= low) & (brush.points[changed] <= high)).all()

@@ -30,36 +30,76 @@ _WAIT = 120_000  # [ms]
 
 
 @contextlib.contextmanager
-def open_page(page: str, files: Path) -> Iterator[Any]:
-    """Opens a page of this folder; skips the test where there is no Chromium.
+def open_browser() -> Iterator[Any]:
+    """Starts Chromium; skips the test where there is none.
 
-    On the page's own origin lie this folder, ``/files/`` with the given one, and ``/node_modules/``.
-
-    Args:
-        page: name of the HTML file.
-        files: folder that the page may read.
-
-    Yields: playwright's page; an error in it fails the test.
+    Yields: playwright's browser.
     """
     playwright = _import_playwright()
     browser_file = next(filter(None, map(shutil.which, _NAMES)), None)
     if browser_file is None:
         pytest.skip("Chromium is not installed")
-    roots = {"node_modules": modules() / "node_modules", "files": files}
-    with _serve(roots) as address, playwright.sync_playwright() as started:
+    with playwright.sync_playwright() as started:
         browser = started.chromium.launch(executable_path=browser_file, args=list(_FLAGS))
         try:
-            shown = browser.new_page(viewport={"width": 640, "height": 800})
-            shown.set_default_timeout(_WAIT)
-            errors: list[str] = []
-            shown.on("pageerror", lambda error: errors.append(str(error)))
-            shown.on("console", lambda message: message.type == "error" and errors.append(message.text))
-            shown.goto(f"{address}/{page}")
-            shown.wait_for_function("window.ready === true")
-            yield shown
-            assert not errors, errors[:3]
+            yield browser
         finally:
             browser.close()
+
+
+@contextlib.contextmanager
+def watch_page(browser: Any, *, expected: tuple[str, ...] = (), **options: Any) -> Iterator[Any]:
+    """A page whose errors fail the test, also those that it only writes to the console.
+
+    Args:
+        browser: from `open_browser`.
+        expected: words of errors that are no failure.
+        options: of playwright's ``new_context``.
+
+    Yields: playwright's page.
+    """
+    context = browser.new_context(**options)
+    shown = context.new_page()
+    shown.set_default_timeout(_WAIT)
+    errors: list[str] = []
+
+    def note(message: Any) -> None:
+        if message.type == "error" and not any(word in message.text for word in expected):
+            errors.append(f"{message.text} {message.location}")
+
+    shown.on("pageerror", lambda error: errors.append(str(error)))
+    shown.on("console", note)
+    try:
+        yield shown
+        assert not errors, errors[:3]
+    finally:
+        context.close()
+
+
+@contextlib.contextmanager
+def open_page(page: str, files: Path, **roots: Path) -> Iterator[Any]:
+    """Opens a page of this folder; skips the test where there is no Chromium.
+
+    On the page's own origin lie this folder, ``/files/`` with the given one, and ``/node_modules/`` unless
+    other folders are given.
+
+    Args:
+        page: name of the HTML file.
+        files: folder that the page may read.
+        roots: more folders, by the first part of their address.
+
+    Yields: playwright's page; an error in it fails the test.
+    """
+    if not roots:
+        roots = {"node_modules": modules() / "node_modules"}
+    with (
+        open_browser() as browser,
+        _serve({**roots, "files": files}) as address,
+        watch_page(browser, viewport={"width": 640, "height": 800}) as shown,
+    ):
+        shown.goto(f"{address}/{page}")
+        shown.wait_for_function("window.ready === true")
+        yield shown
 
 
 def _import_playwright() -> Any:

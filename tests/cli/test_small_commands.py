@@ -166,3 +166,11 @@ def test_an_output_that_cannot_be_is_refused_before_the_work(flowtree, tmp_path,
     done = flowtree("matte", "photo.png", "-o", name)
     assert done.code == 1
     assert done.err.count("\n") == 1
+
+
+def test_without_its_extra_the_studio_says_what_to_install(flowtree, monkeypatch):
+    monkeypatch.setattr("flowtree.cli.studio.find_spec", lambda name: None)
+    done = flowtree("studio", "oak")
+    assert done.code == 1
+    assert "needs the extra `studio`" in done.err
+    assert done.err.count("\n") == 1

@@ -247,3 +247,15 @@ def test_photographs_give_a_tree_that_stands_on_a_trunk(name):
     assert np.ptp(rows) > 0.55 * len(alpha)
     low = alpha[rows[-1] - np.ptp(rows) // 12 : rows[-1] + 1]
     assert (low > 0.5).sum(axis=1).mean() < 0.3 * alpha.shape[1]  # a trunk, not a meadow
+
+
+def test_where_the_person_says_unknown_the_pixels_decide():
+    photo, truth = draw_tree(seed=2)
+    labels = np.zeros(truth.shape, np.uint8)
+    labels[30:70, 40:80] = 4
+    matte = extract_matte(photo, scribbles=labels)
+    assert matte.unknown is None  # nothing stands before the tree
+    assert error(matte.alpha, truth) < 0.08
+    beside = np.ones(truth.shape, bool)
+    beside[20:80, 30:90] = False
+    assert np.abs(matte.alpha - extract_matte(photo).alpha)[beside].mean() < 0.02

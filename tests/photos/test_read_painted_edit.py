@@ -119,3 +119,21 @@ def test_random_layers_give_an_edit_or_an_input_error(tmp_path, layers):
     for painted in (edit.add, edit.erase):
         assert painted is None or (painted.dtype == np.float32 and 0 <= painted.min() <= painted.max() <= 1)
     assert len(edit.directions) == len(edit.reach)
+
+
+def test_a_hard_brush_covers_fully_and_a_soft_one_fades(tmp_path):
+    def dot(**more):
+        return read(tmp_path, {"kind": "add", "width": 60, "points": [[200, 100]], **more}).add
+
+    hard, middle, soft = (dot(softness=softness) for softness in (0.0, 0.5, 1.0))
+    assert set(np.unique(hard)) == {0.0, 1.0}
+    assert (hard >= middle).all()
+    assert (middle >= soft).all()
+    assert hard.sum() > middle.sum() > soft.sum() > 0
+    assert (dot() == middle).all()
+
+
+@pytest.mark.parametrize("softness", [-0.1, 1.5, "soft", True])
+def test_a_softness_is_a_share(tmp_path, softness):
+    with pytest.raises(InputError, match="needs a softness"):
+        read(tmp_path, {"kind": "add", "softness": softness, "points": [[30, 30]]})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,9 +16,10 @@ from flowtree.export.write_glb import encode_glb
 from flowtree.model.edit import PaintedEdit
 from flowtree.model.photo import Photo
 from flowtree.params import Params
+from flowtree.photos.load_photo import load_photo
 from flowtree.pipeline.build_report import report_bytes
 from flowtree.pipeline.cache import StageCache
-from flowtree.pipeline.photo_steps import run_painting, run_strokes
+from flowtree.pipeline.photo_steps import run_matting, run_painting, run_preparing, run_strokes
 from flowtree.pipeline.reconstruct import reconstruct
 from flowtree.pipeline.stage import Job
 from flowtree.pipeline.table import STAGES
@@ -226,3 +228,13 @@ def test_wrong_arguments_are_one_clear_line(pair, arguments, message):
 
 def test_the_public_name_is_the_function():
     assert flowtree.reconstruct is reconstruct
+
+
+def test_what_matting_prepares_serves_an_equal_photo(pair):
+    photo = replace(load_photo(pair[0]), alpha=None)
+    job = Job(Params(), 0, None)
+    prepared = run_preparing(job, photo, None)
+    again = replace(photo, rgb=photo.rgb.copy())
+    ours = run_matting(job, again, prepared, None, None)
+    assert (ours.alpha == run_matting(job, photo, None, None, None).alpha).all()
+    assert run_preparing(job, replace(photo, alpha=np.ones(photo.rgb.shape[:2], np.float32)), None) is None

@@ -214,3 +214,31 @@ def test_any_number_of_threads_gives_the_same_values_and_rising_progress(stages,
         assert seen[-1] == 1.0
         assert list(run.seconds) == [stage.name for stage in stages]
     assert made[0] == made[1] == made[2]
+
+
+def test_what_each_stage_made_is_told_when_all_its_views_are_done():
+    told = []
+    values = Sums().run((1, 2), made=lambda stage, what: told.append((stage, what)))
+    assert [stage for stage, _ in told] == ["double", "add", "draw"]
+    assert told[0][1] == {"doubled": (2, 4), "unit_seen": ("m", "m")}
+    assert told[2][1] == {"drawn": values["drawn"]}
+
+
+def test_a_judgement_that_comes_out_the_same_changes_nothing_behind_it():
+    ran = []
+
+    def note(name, value):
+        ran.append(name)
+        return value
+
+    stages = (
+        Stage(
+            "judge", lambda job: note("judge", job.params.flow.step < 0.05), (), ("slow",), params=("flow",)
+        ),
+        Stage("draw", lambda job, slow: note("draw", int(slow)), ("slow",), ("drawn",)),
+    )
+    cache = StageCache()
+    for step, drawn in ((0.01, 1), (0.02, 1), (0.06, 0)):
+        job = Job(override_params(Params(), [f"flow.step={step}"]), 0, "cpu")
+        assert run_stages(stages, {}, job, views=1, cache=cache).values["drawn"] == drawn
+    assert ran == ["judge", "draw", "judge", "judge", "draw"]

@@ -132,7 +132,7 @@ def test_a_missing_photo_is_an_input_error(tmp_path):
         (None, "must be JSON"),
         ([], "format 1, but got 'list'"),
         ({"flowtree_project": 99}, "format 1, but got 99"),
-        ({"photos": []}, "needs a list of photos"),
+        ({"photos": 3}, "needs a list of photos"),
         ({"photos": ["../secret.jpg"]}, "inside the project"),
         ({"photos": ["photos/none.jpg"]}, "must be there"),
         ({"photos": [5]}, "must name files"),

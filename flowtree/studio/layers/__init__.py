@@ -1,0 +1,1 @@
+"""What the stages made as bytes that a browser draws."""
