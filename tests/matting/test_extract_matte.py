@@ -247,3 +247,20 @@ def test_photographs_give_a_tree_that_stands_on_a_trunk(name):
     assert np.ptp(rows) > 0.55 * len(alpha)
     low = alpha[rows[-1] - np.ptp(rows) // 12 : rows[-1] + 1]
     assert (low > 0.5).sum(axis=1).mean() < 0.3 * alpha.shape[1]  # a trunk, not a meadow
+
+
+@HAS_DATA
+@pytest.mark.parametrize(
+    ("name", "place"),
+    [
+        ("burr_oak", (slice(0.725, 0.75), slice(0.3, 0.43))),  # the field beside a trunk that stands free
+        ("catalpa", (slice(0.3, 0.6), slice(0.0, 0.045))),  # a conifer at the picture's border
+    ],
+)
+def test_fields_and_neighbours_are_no_part_of_the_tree(name, place):
+    alpha = extract_matte(Photo(name, picture_of(DATA / "photos" / f"{name}.jpg", 640))).alpha
+    rows, columns = (
+        slice(int(part.start * size), int(part.stop * size))
+        for part, size in zip(place, alpha.shape, strict=True)
+    )
+    assert alpha[rows, columns].mean() < 0.12

@@ -1,0 +1,44 @@
+"""The colours of leaves in the light."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+_DARK = 0.08  # linear brightness below which a crown is in the shade: hardly any leaf is darker
+_LIFT = 0.5  # of the way there, as logarithms
+_RARE = 0.15  # of the leaves, to either side, whose hue may not be their own
+_VARIES, _RESTS = 0.1, 0.3  # logarithm of a hue that any crown varies by; what stays of more
+_SHADOW = 0.5  # of a leaf's shadow, as logarithms, that its colour keeps
+
+
+def light_leaves(color: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The colours without much of the shadow in which they were photographed.
+
+    A photograph holds the light of its hour, and shadows that the crown casts on itself; every renderer casts
+    them once more. So what is darker than the crown's median comes nearer to it, and a crown photographed at
+    dusk or against the light becomes brighter as a whole.
+
+    Rare hues are mostly the sky's, which shone through or was mirrored: they come nearer to those of the
+    others. A crown of two colours keeps both.
+
+    Args:
+        color: (n, 3) linear.
+
+    Returns: (n, 3); the same where all leaves are equally bright and not dark.
+    """
+    if not len(color):
+        return color
+    bright = np.maximum(color @ _LUMINANCE, 1e-4)
+    hue = np.log(np.maximum(color / bright[:, None], 1e-3))
+    low, high = np.quantile(hue, (_RARE, 1.0 - _RARE), axis=0) + np.array([[-_VARIES], [_VARIES]])
+    usual_hue = np.clip(hue, low, high)
+    hue = usual_hue + _RESTS * (hue - usual_hue)
+    color = np.exp(hue)
+    color *= (bright / (color @ _LUMINANCE))[:, None]
+    usual = float(np.median(bright))
+    factor = np.maximum(usual / bright, 1.0) ** (1.0 - _SHADOW)
+    if usual < _DARK:
+        factor *= (_DARK / usual) ** _LIFT
+    return np.asarray(color * factor[:, None])
