@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 _DARK = 0.08  # linear brightness below which a crown is in the shade: hardly any leaf is darker
 _LIFT = 0.5  # of the way there, as logarithms
-_RARE = 0.15  # of the leaves, to either side, whose hue may not be their own
-_VARIES, _RESTS = 0.1, 0.3  # logarithm of a hue that any crown varies by; what stays of more
+_RARE = 0.3  # of the leaves, whose blue may not be their own
+_VARIES, _RESTS = 0.1, 0.3  # logarithm of the share of blue that any crown varies by; what stays of more
 _SHADOW = 0.5  # of a leaf's shadow, as logarithms, that its colour keeps
 
 
@@ -20,8 +20,8 @@ def light_leaves(color: NDArray[np.float64]) -> NDArray[np.float64]:
     them once more. So what is darker than the crown's median comes nearer to it, and a crown photographed at
     dusk or against the light becomes brighter as a whole.
 
-    Rare hues are mostly the sky's, which shone through or was mirrored: they come nearer to those of the
-    others. A crown of two colours keeps both.
+    Leaves bluer than most of a crown are mixed with sky or cloud, which shone through or was mirrored: they
+    come nearer to the others.
 
     Args:
         color: (n, 3) linear.
@@ -31,12 +31,11 @@ def light_leaves(color: NDArray[np.float64]) -> NDArray[np.float64]:
     if not len(color):
         return color
     bright = np.maximum(color @ _LUMINANCE, 1e-4)
-    hue = np.log(np.maximum(color / bright[:, None], 1e-3))
-    low, high = np.quantile(hue, (_RARE, 1.0 - _RARE), axis=0) + np.array([[-_VARIES], [_VARIES]])
-    usual_hue = np.clip(hue, low, high)
-    hue = usual_hue + _RESTS * (hue - usual_hue)
-    color = np.exp(hue)
-    color *= (bright / (color @ _LUMINANCE))[:, None]
+    blue = np.log(np.maximum(color[:, 2] / bright, 1e-3))
+    most = float(np.quantile(blue, 1.0 - _RARE)) + _VARIES
+    blue = np.where(blue > most, most + _RESTS * (blue - most), blue)
+    color = np.stack([color[:, 0], color[:, 1], bright * np.exp(blue)], axis=1)
+    color *= (bright / np.maximum(color @ _LUMINANCE, 1e-4))[:, None]
     usual = float(np.median(bright))
     factor = np.maximum(usual / bright, 1.0) ** (1.0 - _SHADOW)
     if usual < _DARK:
