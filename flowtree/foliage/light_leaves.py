@@ -38,6 +38,6 @@ def light_leaves(color: NDArray[np.float64]) -> NDArray[np.float64]:
     color *= (bright / np.maximum(color @ _LUMINANCE, 1e-4))[:, None]
     usual = float(np.median(bright))
     factor = np.maximum(usual / bright, 1.0) ** (1.0 - _SHADOW)
-    if usual < _DARK:
-        factor *= (_DARK / usual) ** _LIFT
+    if usual < _DARK:  # but what is in the light already stays as it is
+        factor *= np.maximum((_DARK / np.maximum(bright, usual)) ** _LIFT, 1.0)
     return np.asarray(color * factor[:, None])
