@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flowtree.geometry.parent_array import levels
-from flowtree.geometry.polylines import nearest_on_segments
-from flowtree.geometry.projection import pixels_to_plane, to_plane
+from flowtree.geometry.projection import pixels_to_plane, to_plane, view_axes
+from flowtree.geometry.stroke_share import stroke_share
 from flowtree.model.attractor import LimbTree
 from flowtree.model.camera import Camera
 from flowtree.model.edit import PaintedEdit
 from flowtree.model.field import LimbField
 
+_DEPTH = 0.5  # of the limbs' way in depth, what a painted direction keeps
 _AGREES = 0.5  # cosine between limb and stroke from which the limb may stay
 
 _Array = NDArray[np.float64]
@@ -52,48 +52,35 @@ def clear_painted(limbs: LimbTree, cameras: Sequence[Camera], edits: Sequence[Pa
     return LimbTree(left, limbs.points[~gone], limbs.radius[~gone])
 
 
-def fade_painted(field: LimbField, cameras: Sequence[Camera], edits: Sequence[PaintedEdit]) -> LimbField:
-    """Takes the limbs' field back where a direction is painted: there the view's own, bent field leads.
+def lead_painted(field: LimbField, cameras: Sequence[Camera], edits: Sequence[PaintedEdit]) -> LimbField:
+    """Turns the limbs' field to where a direction is painted, as that view sees it.
+
+    In the view's own field alone the direction would be lost: the other views' know nothing of it, and what
+    two views see of a particle's way is averaged. In depth, which the view does not see, the limbs lead on.
 
     Args:
         field: around the limbs.
         cameras: of the views.
         edits: one a view.
 
-    Returns: the same field where nothing is painted.
+    Returns: the same field where nothing is painted; vectors of length 1 where a direction counts in full.
     """
-    vectors = field.vectors
+    if not any(edit.directions for edit in edits):
+        return field
+    vectors = field.vectors.astype(np.float64)
     axes = [field.corner[k] + np.arange(vectors.shape[k]) * field.spacing for k in range(3)]
     for camera, edit in zip(cameras, edits, strict=True):
-        if edit.directions:
-            place = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-            share, _ = _painted(to_plane(place, camera), camera, edit)
-            vectors = vectors * (1.0 - share).reshape(*vectors.shape[:3], 1).astype(np.float32)
-    return LimbField(vectors, field.corner, field.spacing)
+        place = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+        share, tangent = _painted(to_plane(place, camera), camera, edit)
+        right, up, toward = view_axes(camera.yaw)
+        old = vectors.reshape(-1, 3)
+        wanted = tangent @ np.stack([right, up]) + _DEPTH * (old @ toward)[:, None] * toward
+        wanted /= np.maximum(np.linalg.norm(wanted, axis=1, keepdims=True), 1e-12)
+        vectors = (old + share[:, None] * (wanted - old)).reshape(vectors.shape)
+    return LimbField(vectors.astype(np.float32), field.corner, field.spacing)
 
 
 def _painted(flat: _Array, camera: Camera, edit: PaintedEdit) -> tuple[_Array, _Array]:
     """How much painted directions count at places (n, 2) of the view's plane, 0..1, and where they lead."""
-    share, tangent = np.zeros(len(flat)), np.zeros((len(flat), 2))
-    for stroke, pixels in zip(edit.directions, edit.reach, strict=True):
-        line = pixels_to_plane(stroke, camera)
-        reach = pixels * camera.metres_per_pixel
-        near = np.flatnonzero(
-            ((flat > line.min(axis=0) - reach) & (flat < line.max(axis=0) + reach)).all(axis=1)
-        )
-        best = np.full(len(near), np.inf)
-        along = np.zeros((len(near), 2))
-        for start, end in pairwise(line):
-            length = float(np.linalg.norm(end - start))
-            if length == 0.0:
-                continue
-            _, nearest = nearest_on_segments(flat[near], start, end)
-            distance = np.linalg.norm(nearest - flat[near], axis=1)
-            closer = distance < best
-            best[closer] = distance[closer]
-            along[closer] = (end - start) / length
-        inside = best < reach
-        d = best[inside] / reach
-        share[near[inside]] = np.maximum(share[near[inside]], 1.0 - d * d * (3.0 - 2.0 * d))
-        tangent[near[inside]] = along[inside]
-    return share, tangent
+    lines = [pixels_to_plane(line, camera) for line in edit.directions]
+    return stroke_share(flat, lines, [reach * camera.metres_per_pixel for reach in edit.reach])

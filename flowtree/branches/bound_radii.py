@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from flowtree.branches.smooth_branches import smooth_branches
-from flowtree.geometry.parent_array import levels
+from flowtree.geometry.parent_array import levels, main_child
 from flowtree.model.attractor import LimbTree
 from flowtree.model.skeleton import Skeleton
 
@@ -16,6 +16,7 @@ _SLENDER = (
     20.0  # radii that a limb is long at least: a shorter one is no limb but a clump before or behind it
 )
 _FOOT = 0.04  # of the height: the stem's end at the ground is no half width
+_INSIDE = 2.0  # radii of what bears it, from the fork on, that hide how thick a side branch is
 _ROUNDS = 6  # of smoothing along the branches
 _ON = 1e-5  # of the height: as near as this a node is the limb's
 
@@ -59,14 +60,37 @@ def _reach(skeleton: Skeleton) -> _Array:
 
 def _settle(skeleton: Skeleton, radius: _Array) -> _Array:
     """Smooth along the branches, and never more than nearer to the root."""
-    parent, measured = skeleton.parent, ~np.isnan(radius)
+    parent, particles = skeleton.parent, skeleton.particles
+    above = np.maximum(parent, 0)
+    side = (parent >= 0) & (main_child(parent, particles)[above] != np.arange(len(parent)))
+    radius = _look_beyond(skeleton, radius, side)
+    measured = ~np.isnan(radius)
     walk = levels(parent)[1:]
     filled = radius.copy()
     filled[0] = np.nanmax(radius) if measured.any() else 0.0
     for nodes in walk:
         below = filled[parent[nodes]]
         filled[nodes] = np.where(measured[nodes], np.minimum(filled[nodes], below), below)
-    smooth = smooth_branches(parent, filled[:, None], skeleton.particles, rounds=_ROUNDS)[:, 0]
+    # Every branch by itself: no side branch begins as thick as what bears it.
+    apart = np.where(side, -1, parent).astype(np.int32)
+    smooth = smooth_branches(apart, filled[:, None], particles, rounds=_ROUNDS)[:, 0]
     for nodes in walk:
         smooth[nodes] = np.minimum(smooth[nodes], smooth[parent[nodes]])
     return np.where(measured, smooth, np.nan)
+
+
+def _look_beyond(skeleton: Skeleton, radius: _Array, side: NDArray[np.bool_]) -> _Array:
+    """Where a side branch begins a picture shows what bears it: there it is as thick as farther out."""
+    parent, points = skeleton.parent, skeleton.points
+    fork = np.zeros(len(parent), np.int64)
+    walk = levels(parent)[1:]
+    for nodes in walk:
+        fork[nodes] = np.where(side[nodes], parent[nodes], fork[parent[nodes]])
+    away = np.linalg.norm(points - points[fork], axis=1)
+    inside = (fork > 0) & (away < _INSIDE * np.nan_to_num(radius[fork]))
+    ahead = main_child(parent, skeleton.particles)
+    beyond = radius.copy()
+    for nodes in reversed(walk):
+        hidden = nodes[inside[nodes]]
+        beyond[hidden] = np.where(ahead[hidden] >= 0, beyond[ahead[hidden]], np.nan)
+    return beyond

@@ -13,11 +13,13 @@ from flowtree.branches.draw_poses import draw_poses
 from flowtree.device import side_by_side
 from flowtree.geometry.choose_cover import choose_poses
 from flowtree.geometry.cover_canvas import CELLS, CoverCanvas, lay_canvas, rod_radii
+from flowtree.geometry.find_painted import find_directed
 from flowtree.geometry.footprint_means import optical_depth
 from flowtree.geometry.parent_array import levels
 from flowtree.geometry.place_chance import place_chance
 from flowtree.geometry.place_code import place_code
 from flowtree.model.camera import Camera
+from flowtree.model.edit import PaintedEdit
 from flowtree.model.matte import Matte
 from flowtree.model.skeleton import Skeleton
 from flowtree.model.volume import DensityVolume
@@ -45,6 +47,7 @@ def turn_twigs(
     *,
     height: float,
     leafy: bool = False,
+    edits: Sequence[PaintedEdit] = (),
     params: TwigParams = TwigParams(),
     seed: int = 0,
 ) -> Skeleton:
@@ -69,6 +72,7 @@ def turn_twigs(
         cameras: theirs.
         height: of the tree [m].
         leafy: whether the tree bears leaves.
+        edits: one a view, or none: branches to which a person gave a direction are not turned.
         params: how far a spray may turn; number and size of the twigs.
         seed: of the poses.
 
@@ -78,8 +82,17 @@ def turn_twigs(
         skeleton = _thicken(skeleton, mattes, cameras, height, params)
     thinnest = _THINNEST * float(skeleton.radius.min())
     for size in (_LEAFY_SIZES if leafy else _SIZES) if params.turn > 0.0 else ():
+        given = find_directed(skeleton.points, cameras[: len(edits)], edits)
         skeleton = _turn_sprays(
-            skeleton, size, volume, mattes, cameras, height, thinnest=thinnest, spread=params.turn, seed=seed
+            skeleton,
+            _find_sprays(skeleton, size, given),
+            volume,
+            mattes,
+            cameras,
+            height,
+            thinnest=thinnest,
+            spread=params.turn,
+            seed=seed,
         )
     return skeleton
 
@@ -130,7 +143,7 @@ class _Sprays:
 
 def _turn_sprays(
     skeleton: Skeleton,
-    size: int,
+    sprays: _Sprays,
     volume: DensityVolume,
     mattes: Sequence[Matte],
     cameras: Sequence[Camera],
@@ -140,8 +153,7 @@ def _turn_sprays(
     spread: float,
     seed: int,
 ) -> Skeleton:
-    """One round: sprays of at most ``size`` particles."""
-    sprays = _find_sprays(skeleton, size)
+    """One round."""
     count = len(sprays.pivot)
     if not count:
         return skeleton
@@ -182,8 +194,11 @@ def _turn_sprays(
     return _without(replace(skeleton, points=points.astype(np.float32), radius=own), still)
 
 
-def _find_sprays(skeleton: Skeleton, size: int) -> _Sprays:
-    """The largest parts of the tree, each behind one fork, that hold at most ``size`` particles."""
+def _find_sprays(skeleton: Skeleton, size: int, still: NDArray[np.bool_]) -> _Sprays:
+    """The largest parts of the tree, each behind one fork, that hold at most ``size`` particles.
+
+    Those with a node (n,) that is to be still are left out.
+    """
     parent = skeleton.parent
     thin = (parent >= 0) & (skeleton.particles <= size)
     base = thin & ~thin[np.maximum(parent, 0)]
@@ -193,6 +208,9 @@ def _find_sprays(skeleton: Skeleton, size: int) -> _Sprays:
     for nodes in levels(parent)[1:]:
         inside = nodes[thin[nodes] & ~base[nodes]]
         spray[inside] = spray[parent[inside]]
+    moves = np.bincount(spray[still & thin], minlength=len(pivot)) == 0
+    pivot, number = pivot[moves], np.append(np.where(moves, np.cumsum(moves) - 1, -1), -1)
+    spray = number[spray]
     node = np.flatnonzero(spray >= 0)
     node = node[np.argsort(spray[node], kind="stable")]
     return _Sprays(node, spray[node], pivot)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from flowtree.foliage.light_leaves import light_leaves
 from flowtree.geometry.projection import project, view_axes
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
@@ -25,6 +26,8 @@ def color_leaves(
 ) -> NDArray[np.float32]:
     """Each leaf's colour is the tree's own where the leaf projects, in the view in whose foreground it is.
 
+    Much of the shadow in it is taken out (`light_leaves`).
+
     Args:
         points: (n, 3) [m].
         mattes: one a view.
@@ -38,6 +41,7 @@ def color_leaves(
     seen = [_look_up(points, *view) for view in zip(mattes, colors, cameras, strict=True)]
     found, nearness = zip(*seen, strict=True)
     color = np.stack(found)[np.argmax(nearness, axis=0), np.arange(len(points))].astype(np.float64)
+    color = light_leaves(color)
     bright = np.random.default_rng(seed).normal(1.0, variation, (len(points), 1))
     return np.asarray(np.clip(color / _TEXTURE * np.clip(bright, 0.4, 1.8), 0.0, 1.0), np.float32)
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flowtree import check
+from flowtree.matting.drop_strangers import drop_strangers
 from flowtree.matting.estimate_foreground import estimate_foreground
 from flowtree.matting.fill_occluded import fill_occluded
 from flowtree.matting.guess_alpha import BACKGROUND, OCCLUDER, TREE, UNKNOWN, guess_alpha
@@ -99,6 +100,7 @@ def cut_out_tree(
     marks = None if labels is None else _shrunk_labels(labels, small.shape[:2])
     prior, confidence = guess_alpha(prepared, scribbles=marks)
     alpha = refine_alpha(small, _solve_box(small, prior, confidence), photo.rgb)
+    alpha = drop_strangers(alpha, None if labels is None else labels == TREE)
     if labels is not None:
         alpha[labels == TREE], alpha[labels == BACKGROUND] = 1.0, 0.0
     return _finish(photo, alpha, "automatic" if labels is None else "scribbles", labels)

@@ -22,6 +22,8 @@ TREE, BACKGROUND, OCCLUDER, UNKNOWN = 1, 2, 3, 4  # labels of scribbles
 _WEAK, _OPEN, _FIRM = 0.02, 0.01, 5.0  # confidences: an estimate, an edge of the trunk, almost certain
 _REMEDY = "scribble on the tree and beside it, or pick their colours"
 _BELOW = 0.15  # how far below the horizon the crown's outline is trusted [heights]
+_CLEAR = 0.02  # of the height: so far above the horizon a trunk must stand free
+_MOSTLY = 0.75  # share of rows that are most of them
 _NOISE = 3.0  # of tree and sky colours when a pixel is split between them [CIELAB]
 
 
@@ -131,19 +133,23 @@ def _differs(features: NDArray[np.float32], tree: NDArray[np.float32]) -> bool:
 def _beside_trunk(trunk: Trunk, tree: NDArray[np.float32], crown: Crown) -> NDArray[np.float32]:
     """Log-odds against everything beside a trunk that stands free: there the crown has ended."""
     height, width = tree.shape
-    free = np.zeros(len(trunk.rows), bool)
+    free, hidden = np.zeros((2, len(trunk.rows)), bool)
     for at, (row, x, half) in enumerate(zip(trunk.rows, trunk.centre, trunk.half, strict=True)):
         flanks = [
             tree[row, max(0, x - 3 * half) : max(0, x - half)],
             tree[row, x + half + 1 : x + 3 * half + 1],
         ]
         beside = max((float(flank.mean()) for flank in flanks if flank.size), default=1.0)
-        hidden = row > crown.horizon[min(max(x, 0), width - 1)]
-        free[at] = hidden and trunk.contrast[at] > 0.0 and beside < 0.5
+        hidden[at] = row > crown.horizon[min(max(x, 0), width - 1)]
+        free[at] = trunk.contrast[at] > 0.0 and beside < 0.5
+    shown = np.flatnonzero(~hidden)[-max(3, round(_CLEAR * height)) :]
+    if len(shown) and free[shown].mean() >= _MOSTLY:
+        free[shown[-1] :] = True  # with sky on both sides at the horizon it has no crown below
+    free &= hidden
     against = np.zeros((height, width), np.float32)
     # The free stretch begins where most rows from there on are free.
     share = np.cumsum(free[::-1])[::-1] / np.arange(len(free), 0, -1)
-    begin = np.flatnonzero((share >= 0.75) & free)
+    begin = np.flatnonzero((share >= _MOSTLY) & free)
     if len(begin) == 0:
         return against
     first = int(trunk.rows[begin[0]])

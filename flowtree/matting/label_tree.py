@@ -20,6 +20,7 @@ _TEXTURE_SAYS = 0.3
 _ENCLOSED = 2.0  # log-odds of a pixel with tree on all four sides; half of it on three
 _LEARNED = 0.5  # weight of what was labelled beside what was known
 _CROWN = 1.5  # log-odds that what stands before the sky in the middle is the tree
+_RIM = 0.012  # of the larger side: width of an edge whose colours are mixed with the sky's
 _SPOKEN = 8.0  # weight of a scribbled pixel among those that teach a model
 
 
@@ -91,7 +92,8 @@ def label_tree(
         tree, rest = tree.astype(np.float32), rest.astype(np.float32)
     probability: NDArray[np.float32] = cv2.resize(label, (width, height)).astype(np.float32)
     probability[sky] = 0.0
-    return _close_holes(_keep_connected(probability, crown.core), solid & hidden)
+    inner = _follow_inside(probability, solid, crown)
+    return _close_holes(_keep_connected(inner, crown.core), solid & hidden)
 
 
 def _place_prior(sky: NDArray[np.bool_], crown: Crown) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
@@ -149,6 +151,24 @@ def _enclosed(label: NDArray[np.float32]) -> NDArray[np.float32]:
     )
     odds: NDArray[np.float32] = np.select([sides == 4, sides == 3], [_ENCLOSED, 0.5 * _ENCLOSED], 0.0)
     return odds.astype(np.float32)
+
+
+def _follow_inside(
+    probability: NDArray[np.float32], solid: NDArray[np.bool_], crown: Crown
+) -> NDArray[np.float32]:
+    """Doubts the rim before the sky of something wide that itself is no tree: a neighbour, a roof.
+
+    Colours at an edge are mixed with the sky's, and look like those of the crown's own edge.
+    """
+    reach = max(2, round(_RIM * max(solid.shape)))
+    brush = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
+    inside = cv2.erode(solid.astype(np.uint8), brush) > 0
+    other, tree = (
+        cv2.distanceTransform(1 - (inside & there).astype(np.uint8), cv2.DIST_L2, 5)
+        for there in (probability < 0.5, probability >= 0.5)
+    )
+    strange = ~inside & (other < 2.0 * reach) & (other < tree)
+    return np.where(strange, np.float32(0.2) * probability, probability)
 
 
 def _keep_connected(probability: NDArray[np.float32], core: NDArray[np.bool_]) -> NDArray[np.float32]:

@@ -26,6 +26,7 @@ from flowtree.pipeline.build_report import build_report
 from flowtree.pipeline.cache import StageCache
 from flowtree.pipeline.choose_yaws import choose_yaws
 from flowtree.pipeline.digest import digest
+from flowtree.pipeline.plain_tree import make_plain_tree
 from flowtree.pipeline.run_stages import run_stages
 from flowtree.pipeline.stage import Job
 from flowtree.pipeline.table import STAGES, load_steps
@@ -36,6 +37,7 @@ _HIGHEST = 200.0  # [m]; the highest tree on earth has 116
 File = str | PathLike[str]
 # What belongs to single photos: by the photo's number, or in the photos' order.
 PerPhoto = Mapping[int, Any] | Sequence[Any] | None
+Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
@@ -82,7 +84,7 @@ def reconstruct(
     trimaps: PerPhoto = None,
     scribbles: PerPhoto = None,
     paint: PerPhoto = None,
-    progress: Callable[[str, float], None] | None = None,
+    progress: Progress | None = None,
     cancel: Callable[[], bool] | None = None,
     cache: StageCache | None = None,
     device: str | None = None,
@@ -165,8 +167,19 @@ def reconstruct(
     chosen = pick_device(device)
     job = Job(params=params, seed=seed, device=chosen)
     Thread(target=load_steps, name="flowtree-imports").start()
+    cache = StageCache() if cache is None else cache
+    plain = make_plain_tree(
+        sources, job, views=views, cache=cache, progress=_part(progress, 0.0, 0.5), cancel=cancel
+    )
     run = run_stages(
-        STAGES, sources, job, views=views, cache=cache, progress=progress, cancel=cancel, made=made
+        STAGES,
+        {**sources, "plain": plain},
+        job,
+        views=views,
+        cache=cache,
+        progress=progress if plain is None else _part(progress, 0.5, 1.0),
+        cancel=cancel,
+        made=made,
     )
     values = run.values
     report = build_report(
@@ -195,6 +208,13 @@ def reconstruct(
         asset=values["asset"],
         report=report,
     )
+
+
+def _part(progress: Progress | None, low: float, high: float) -> Progress | None:
+    """The progress of a part of the work, from one share of the whole to another."""
+    if progress is None:
+        return None
+    return lambda stage, share: progress(stage, low + (high - low) * share)
 
 
 def _per_photo(values: PerPhoto, count: int, name: str) -> list[Any]:

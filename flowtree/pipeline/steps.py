@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from flowtree.attraction.bend_direction_field import bend_direction_field
 from flowtree.attraction.build_direction_field import build_direction_field
 from flowtree.attraction.build_limb_field import build_limb_field
-from flowtree.attraction.clear_painted import clear_painted, fade_painted
+from flowtree.attraction.clear_painted import clear_painted, lead_painted
 from flowtree.attraction.judge_habit import judge_habit
 from flowtree.attraction.lift_graphs import lift_graphs
 from flowtree.attraction.trace_attractor_graph import trace_attractor_graph
@@ -25,10 +25,12 @@ from flowtree.branches.da_vinci_radii import da_vinci_radii
 from flowtree.branches.fit_exponent import fit_exponent
 from flowtree.branches.grow_twigs import grow_twigs
 from flowtree.branches.measure_trunk import measure_trunk
+from flowtree.branches.patch_skeleton import Patch, patch_skeleton
 from flowtree.branches.shape_twigs import TwigShapes
 from flowtree.branches.turn_twigs import turn_twigs
 from flowtree.density.solve_density import solve_density
 from flowtree.flow.trace_particles import trace_particles
+from flowtree.foliage.patch_leaves import patch_leaves
 from flowtree.foliage.pick_leaf import pick_leaf
 from flowtree.foliage.place_leaves import place_leaves
 from flowtree.foliage.spread_colors import spread_colors
@@ -65,6 +67,7 @@ from flowtree.pipeline.compare_views import check_same_tree
 from flowtree.pipeline.cut_trunk import cut_trunk
 from flowtree.pipeline.equip_tree import equip_tree
 from flowtree.pipeline.photo_steps import Polylines
+from flowtree.pipeline.plain_tree import PlainTree
 from flowtree.pipeline.register_views import register_views
 from flowtree.pipeline.stage import Job
 from flowtree.render.render_mask import render_mask
@@ -194,7 +197,7 @@ def run_limb_field(
 ) -> LimbField:
     """The direction field in space around the limbs, but where another direction is painted."""
     field = build_limb_field(limbs, volume, habit=habit, params=job.params.field)
-    return fade_painted(field, cameras, edits)
+    return lead_painted(field, cameras, edits)
 
 
 def run_habit(job: Job, mattes: tuple[Matte, ...], cameras: tuple[Camera, ...], leafy: bool) -> Habit:
@@ -258,6 +261,7 @@ def run_twigs(
     volume: DensityVolume,
     mattes: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
+    edits: tuple[PaintedEdit, ...],
     leafy: bool,
     sketched: TwigShapes | None,
     heights: tuple[float, ...],
@@ -265,7 +269,15 @@ def run_twigs(
     """The skeleton with twigs, its thin branches turned to where the mattes show them."""
     params, height, seed = job.params.twigs, heights[0], job.seed
     branches = turn_twigs(
-        branches, volume, mattes, cameras, height=height, leafy=leafy, params=params, seed=seed
+        branches,
+        volume,
+        mattes,
+        cameras,
+        height=height,
+        leafy=leafy,
+        edits=edits,
+        params=params,
+        seed=seed,
     )
     return grow_twigs(
         branches,
@@ -278,6 +290,41 @@ def run_twigs(
         params=params,
         seed=seed,
     )
+
+
+def run_patching(
+    job: Job,
+    painted: Skeleton,
+    plain: PlainTree | None,
+    cameras: tuple[Camera, ...],
+    edits: tuple[PaintedEdit, ...],
+    heights: tuple[float, ...],
+) -> tuple[Skeleton, Patch | None]:
+    """The skeleton that the paint has changed where it is; and where its nodes come from."""
+    del job
+    if plain is None:
+        return painted, None
+    patch = patch_skeleton(plain.skeleton, painted, cameras, edits, height=heights[0])
+    return patch.skeleton, patch
+
+
+def run_leaf_patching(
+    job: Job,
+    painted: Foliage | None,
+    bark: Material,
+    plain: PlainTree | None,
+    patch: Patch | None,
+    cameras: tuple[Camera, ...],
+    edits: tuple[PaintedEdit, ...],
+) -> tuple[Foliage | None, Material]:
+    """The same for leaves; the bark is not the paint's business."""
+    del job
+    if plain is None or patch is None:
+        return painted, bark
+    leaves = patch_leaves(
+        plain.foliage, painted, cameras, edits, of_plain=patch.plain, of_painted=patch.painted
+    )
+    return leaves, plain.bark
 
 
 def run_meshing(job: Job, skeleton: Skeleton) -> TreeMesh:

@@ -3,7 +3,8 @@
 Sources, one entry a view: ``photo_source`` (a file or a `Photo`), ``matte_source``, ``trimap_source``,
 ``scribbles_source``, ``strokes_source``, ``marks_source``, ``paint_source`` (a file, what reading it gives,
 or None), ``mirrored`` (whether the view is its photo's mirror image), ``yaw`` [degrees], ``height`` [m].
-One for all: ``bark_source`` and ``leaf_source`` (a picture or None), ``twig_source`` (a drawing or None).
+One for all: ``bark_source`` and ``leaf_source`` (a picture or None), ``twig_source`` (a drawing or None),
+``plain`` (a `PlainTree`: what was made without painted edits; None where nothing is painted).
 """
 
 from __future__ import annotations
@@ -153,7 +154,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="leafiness",
         run=_late("run_leafiness"),
-        inputs=("mattes", "cameras"),
+        inputs=("bare_mattes", "cameras"),
         outputs=("leafy",),
         params=("leaves",),
         share=0.02,
@@ -161,7 +162,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="habit",
         run=_late("run_habit"),
-        inputs=("mattes", "cameras", "leafy"),
+        inputs=("bare_mattes", "cameras", "leafy"),
         outputs=("habit",),
         params=("attraction",),
         share=0.02,
@@ -179,7 +180,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="leaf",
         run=_late("run_leaf"),
-        inputs=("mattes", "cameras", "leafy", "leaf_source"),
+        inputs=("bare_mattes", "cameras", "leafy", "leaf_source"),
         outputs=("leaf",),
         params=("leaves",),
         seeded=True,
@@ -248,12 +249,19 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="twigs",
         run=_late("run_twigs"),
-        inputs=("branches", "volume", "mattes", "cameras", "leafy", "sketched_twig", "height"),
-        outputs=("skeleton",),
+        inputs=("branches", "volume", "mattes", "cameras", "edits", "leafy", "sketched_twig", "height"),
+        outputs=("painted_skeleton",),
         params=("twigs",),
         seeded=True,
         kernels=("choose_cover",),
         share=0.2,
+    ),
+    Stage(
+        name="patching",
+        run=_late("run_patching"),
+        inputs=("painted_skeleton", "plain", "cameras", "edits", "height"),
+        outputs=("skeleton", "patch"),
+        share=0.01,
     ),
     Stage(
         name="meshing",
@@ -278,7 +286,7 @@ STAGES: tuple[Stage, ...] = (
             "placements",
             "mirrored",
         ),
-        outputs=("bark",),
+        outputs=("painted_bark",),
         params=("meshing", "photos"),
         seeded=True,
         share=0.2,
@@ -286,12 +294,19 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="foliage",
         run=_late("run_foliage"),
-        inputs=("skeleton", "volume", "mattes", "cameras", "leaf", "colors", "height"),
-        outputs=("foliage",),
+        inputs=("painted_skeleton", "volume", "mattes", "cameras", "leaf", "colors", "height"),
+        outputs=("painted_foliage",),
         params=("leaves",),
         seeded=True,
         kernels=("choose_cover",),
         share=0.4,
+    ),
+    Stage(
+        name="leaf_patching",
+        run=_late("run_leaf_patching"),
+        inputs=("painted_foliage", "painted_bark", "plain", "patch", "cameras", "edits"),
+        outputs=("foliage", "bark"),
+        share=0.01,
     ),
     Stage(
         name="assembly",

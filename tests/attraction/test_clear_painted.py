@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flowtree.attraction.clear_painted import clear_painted, fade_painted
+from flowtree.attraction.clear_painted import clear_painted, lead_painted
 from flowtree.model.attractor import LimbTree
 from flowtree.model.camera import Camera
 from flowtree.model.edit import PaintedEdit
@@ -27,7 +27,7 @@ def test_where_nothing_is_painted_limbs_and_field_stay():
     limbs = stem()
     assert clear_painted(limbs, CAMERAS, [NOTHING, NOTHING]) is limbs
     field = LimbField(np.ones((3, 4, 5, 3), np.float32), np.zeros(3, np.float32), 0.1)
-    assert fade_painted(field, CAMERAS, [NOTHING, NOTHING]).vectors is field.vectors
+    assert lead_painted(field, CAMERAS, [NOTHING, NOTHING]).vectors is field.vectors
 
 
 def test_a_limb_ends_where_a_direction_is_painted_across_it_and_stays_along_it():
@@ -40,13 +40,14 @@ def test_a_limb_ends_where_a_direction_is_painted_across_it_and_stays_along_it()
     assert len(clear_painted(stem(), CAMERAS, [upward, NOTHING]).parent) < 20
 
 
-def test_on_a_painted_direction_the_limbs_field_does_not_count():
-    field = LimbField(np.ones((21, 21, 21, 3), np.float32), np.array([-1, 0, -1], np.float32), 0.1)
-    made = fade_painted(field, CAMERAS, [painted([60, 90], [140, 90]), NOTHING])
-    size = np.abs(made.vectors).max(axis=-1)
-    assert size[8:13, 10].max() < 1e-6, "whatever the depth"
-    assert (size[:, 12:] == 1).all()
-    assert (size[:, :9] == 1).all()
+def test_on_a_painted_direction_the_limbs_field_goes_along_it_whatever_the_depth():
+    vectors = np.tile(np.array([0.0, -1.0, 0.0], np.float32), (21, 21, 21, 1))
+    field = LimbField(vectors, np.array([-1, 0, -1], np.float32), 0.1)
+    made = lead_painted(field, CAMERAS, [painted([60, 90], [140, 90]), NOTHING]).vectors
+    assert np.allclose(made[8:13, 10], [1, 0, 0], atol=1e-6)
+    assert np.array_equal(made[:, 12:], vectors[:, 12:])
+    assert np.array_equal(made[:, :9], vectors[:, :9])
+    assert np.linalg.norm(made, axis=-1).max() < 1.0 + 1e-6
 
 
 @settings(max_examples=20, deadline=None)

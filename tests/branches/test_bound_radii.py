@@ -85,3 +85,14 @@ def test_bounds_of_any_limbs_fall_toward_the_tips(seed, share):
     assert (bounds[:, 0] <= bounds[:, 1]).all()
     known = np.isfinite(bounds[1:, 1]) & np.isfinite(bounds[skeleton.parent[1:], 1])
     assert (bounds[1:, 1][known] <= bounds[skeleton.parent[1:], 1][known]).all()
+
+
+def test_a_side_branch_begins_as_thick_as_it_goes_on_whatever_the_stem_hides():
+    stem = [[0, 0.2 * k, 0] for k in range(41)]
+    limb = [[0.1 * k, 4 + 0.05 * k, 0] for k in range(1, 41)]
+    parent = np.concatenate([np.arange(-1, 40), [20], np.arange(41, 80)])
+    skeleton = skeleton_of(parent, np.array(stem + limb), np.random.default_rng(0))
+    radius = np.where(np.arange(81) < 41, 0.3, np.where(np.arange(81) < 45, 0.3, 0.1))
+    bounds = bound_radii(skeleton, limbs_of(skeleton, radius))
+    assert bounds[41:60, 1] == pytest.approx(0.1)
+    assert bounds[10:30, 1] == pytest.approx(0.3)

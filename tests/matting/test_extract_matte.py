@@ -259,3 +259,20 @@ def test_where_the_person_says_unknown_the_pixels_decide():
     beside = np.ones(truth.shape, bool)
     beside[20:80, 30:90] = False
     assert np.abs(matte.alpha - extract_matte(photo).alpha)[beside].mean() < 0.02
+
+
+@HAS_DATA
+@pytest.mark.parametrize(
+    ("name", "place"),
+    [
+        ("burr_oak", (slice(0.725, 0.75), slice(0.3, 0.43))),  # the field beside a trunk that stands free
+        ("catalpa", (slice(0.3, 0.6), slice(0.0, 0.045))),  # a conifer at the picture's border
+    ],
+)
+def test_fields_and_neighbours_are_no_part_of_the_tree(name, place):
+    alpha = extract_matte(Photo(name, picture_of(DATA / "photos" / f"{name}.jpg", 640))).alpha
+    rows, columns = (
+        slice(int(part.start * size), int(part.stop * size))
+        for part, size in zip(place, alpha.shape, strict=True)
+    )
+    assert alpha[rows, columns].mean() < 0.12

@@ -91,7 +91,7 @@ def test_what_is_erased_goes_and_the_rest_stays(painter):
     made = painter.make(PaintedEdit(erase=place.astype(np.float32)))
     within, beside = painter.changed(made, place)
     assert within <= 0.15
-    assert beside < 0.12  # leaves fall otherwise where a branch has moved a little
+    assert beside < 0.03
     assert made.cameras == painter.plain.cameras
     assert made.volume.density.shape == painter.plain.volume.density.shape
     _assert_limbs_stay(painter, made, painter.middle)
@@ -102,7 +102,7 @@ def test_what_is_added_grows_and_the_rest_stays(painter):
     made = painter.make(PaintedEdit(add=(0.7 * place).astype(np.float32)))
     within, beside = painter.changed(made, place)
     assert within >= 0.5 * 0.7
-    assert beside < 0.12  # leaves fall otherwise where a branch has moved a little
+    assert beside < 0.03
     assert made.volume.voxel == painter.plain.volume.voxel
     _assert_limbs_stay(painter, made, (painter.side + 0.3 * painter.radius, painter.middle[1]))
 
@@ -114,7 +114,9 @@ def test_a_direction_bends_branches_where_it_is_drawn(painter):
     made = painter.make(PaintedEdit(directions=(line,), reach=(reach,)))
     wanted = line[1] - line[0]
     turned = [_along(painter, m, painter.disc(x, y, 0.6 * reach), wanted) for m in (painter.plain, made)]
-    assert turned[1] > turned[0] + 0.1
+    assert turned[1] > turned[0] + 0.3
+    _, beside = painter.changed(made, painter.disc(x, y, 2 * reach))
+    assert beside < 0.03
     assert np.array_equal(made.volume.density, painter.plain.volume.density)
     _assert_limbs_stay(painter, made, painter.middle)
 
@@ -126,14 +128,14 @@ def _pixels(painter, points):
 
 
 def _along(painter, made, place, wanted):
-    """Mean cosine between the flow toward the foot within a place and a direction in the picture."""
-    traces = made.traces
-    at = _pixels(painter, traces.points)
-    way = at[np.maximum(traces.parent, 0)] - at
+    """Mean cosine, by length, of the branches' ways to the foot within a place with one in the picture."""
+    skeleton = made.skeleton
+    at = _pixels(painter, skeleton.points)
+    way = at[np.maximum(skeleton.parent, 0)] - at
     column, row = np.clip(at.astype(int).T, 0, np.array(place.shape[::-1])[:, None] - 1)
-    length = np.linalg.norm(way, axis=1)
-    there = place[row, column] & (length > 1e-3)
-    return float((way[there] @ wanted / (length[there] * np.linalg.norm(wanted))).mean())
+    there = place[row, column] & ~skeleton.twig
+    length = np.linalg.norm(way[there], axis=1).sum()
+    return float((way[there] @ wanted).sum() / (length * np.linalg.norm(wanted)))
 
 
 def _assert_limbs_stay(painter, made, middle):
