@@ -50,7 +50,7 @@ def main(argv: list[str]) -> int:
 
 
 def time_session(folder: Path, rounds: int, photos: Sequence[Path]) -> dict[str, list[float]]:
-    """Seconds from a command until each layer that it changes has come."""
+    """Seconds from a command until each layer that it changes comes."""
     session = Session.open(folder / "project")
     events: queue.Queue[tuple[float, dict[str, Any]]] = queue.Queue()
     session.listen(lambda event: events.put((time.perf_counter(), event)))
@@ -95,7 +95,7 @@ def _edits(session: Session, number: int) -> list[tuple[str, do.Command]]:
 
 
 def _await(events: queue.Queue[tuple[float, dict[str, Any]]], begin: float) -> Mapping[str, float]:
-    """Seconds until the last layer of each name came, once the tree is done."""
+    """Seconds until the first layer of each name came, once the tree is done; twigs follow the skeleton."""
     seen: dict[str, float] = {}
     while True:
         when, event = events.get(timeout=_PATIENCE)
@@ -103,7 +103,7 @@ def _await(events: queue.Queue[tuple[float, dict[str, Any]]], begin: float) -> M
             event["event"] != "failed", "the studio", "must succeed", event.get("message"), "mend it"
         )
         if event["event"] == "layer" and event["name"] in _LAYERS:
-            seen[_LAYERS[event["name"]]] = when - begin
+            seen.setdefault(_LAYERS[event["name"]], when - begin)
         if event["event"] == "done" and event["job"] == "tree":
             return seen
 
