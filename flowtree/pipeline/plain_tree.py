@@ -54,7 +54,7 @@ def make_plain_tree(
         return None
     run = partial(run_stages, STAGES, job=job, views=views, cache=cache, progress=progress, cancel=cancel)
     bare = {**sources, "plain": None}
-    mattes = run(bare, until="matting").values["raw_matte"]
+    mattes = run(bare, until="coloring").values["raw_matte"]
     # Where there is no tree without the paint, it is no edit: it makes the matte (see `run_painting`).
     bare["paint_source"] = tuple(
         None if matte.alpha.any() else paint

@@ -62,7 +62,7 @@ class StageLayers:
             if coarse is not None:  # else the twigs that are shown belong to these branches
                 yield draw("skeleton", (branches,), partial(skeleton_layer, branches))
             yield coarse
-        elif stage == "twigs":
+        elif stage == "patching":
             yield draw("skeleton", (values["skeleton"],), partial(skeleton_layer, values["skeleton"]))
         elif stage == "equipping":
             yield draw("tree.glb", (values["asset"],), partial(tree_layer, values["asset"]))
