@@ -43,7 +43,7 @@ def make_plain_tree(
     """Runs the stages without the paint, as far as leaves and bark; None where nothing is painted.
 
     Args:
-        sources: of all stages, as `run_stages` takes them, but for ``plain``.
+        sources: of all stages, as `run_stages` takes them, but for ``plain`` and ``plain_skeleton``.
         job: parameters, seed and device.
         views: how many.
         cache: takes what both trees share.
@@ -53,7 +53,7 @@ def make_plain_tree(
     if all(source is None for source in sources["paint_source"]):
         return None
     run = partial(run_stages, STAGES, job=job, views=views, cache=cache, progress=progress, cancel=cancel)
-    bare = {**sources, "plain": None}
+    bare = {**sources, "plain": None, "plain_skeleton": None}
     mattes = run(bare, until="coloring").values["raw_matte"]
     # Where there is no tree without the paint, it is no edit: it makes the matte (see `run_painting`).
     bare["paint_source"] = tuple(

@@ -173,7 +173,7 @@ def reconstruct(
     )
     run = run_stages(
         STAGES,
-        {**sources, "plain": plain},
+        {**sources, "plain": plain, "plain_skeleton": None if plain is None else plain.skeleton},
         job,
         views=views,
         cache=cache,

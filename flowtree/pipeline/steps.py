@@ -295,7 +295,7 @@ def run_twigs(
 def run_patching(
     job: Job,
     painted: Skeleton,
-    plain: PlainTree | None,
+    plain: Skeleton | None,
     cameras: tuple[Camera, ...],
     edits: tuple[PaintedEdit, ...],
     heights: tuple[float, ...],
@@ -304,7 +304,7 @@ def run_patching(
     del job
     if plain is None:
         return painted, None
-    patch = patch_skeleton(plain.skeleton, painted, cameras, edits, height=heights[0])
+    patch = patch_skeleton(plain, painted, cameras, edits, height=heights[0])
     return patch.skeleton, patch
 
 

@@ -4,7 +4,8 @@ Sources, one entry a view: ``photo_source`` (a file or a `Photo`), ``matte_sourc
 ``scribbles_source``, ``strokes_source``, ``marks_source``, ``paint_source`` (a file, what reading it gives,
 or None), ``mirrored`` (whether the view is its photo's mirror image), ``yaw`` [degrees], ``height`` [m].
 One for all: ``bark_source`` and ``leaf_source`` (a picture or None), ``twig_source`` (a drawing or None),
-``plain`` (a `PlainTree`: what was made without painted edits; None where nothing is painted).
+``plain`` (a `PlainTree`: what was made without painted edits; None where nothing is painted) and
+``plain_skeleton`` (its skeleton).
 """
 
 from __future__ import annotations
@@ -259,7 +260,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="patching",
         run=_late("run_patching"),
-        inputs=("painted_skeleton", "plain", "cameras", "edits", "height"),
+        inputs=("painted_skeleton", "plain_skeleton", "cameras", "edits", "height"),
         outputs=("skeleton", "patch"),
         share=0.01,
     ),
