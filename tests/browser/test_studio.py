@@ -28,8 +28,8 @@ def grey(data):
 def test_the_first_tree_comes_by_itself(studio):
     studio.picture("start")
     studio.page.get_by_text("Take the bundled pair").click()
-    state = studio.until(lambda state: len(state["photos"]) == 2, "no photos")
-    assert state["height"] == 11.0
+    state = studio.until(lambda state: state["height"] == 11.0, "no photos")
+    assert len(state["photos"]) == 2
     studio.settle()
     studio.page.wait_for_function("document.querySelector('.figures').textContent.includes('leaves')")
     assert "alike" in studio.page.inner_text(".photo-strip")

@@ -25,7 +25,7 @@ def build_page(session: Session) -> None:
 
         def join() -> None:
             if session.enter() > 0:
-                page.tell("This project is open in another tab, too: both change the same.", "warning")
+                page.tell("This project is open in another tab, too: both change the same.", "info")
 
         join()
         client.on_connect(join)

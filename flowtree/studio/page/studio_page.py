@@ -24,6 +24,8 @@ from flowtree.studio.page.workbench import Workbench
 
 _BOARD_LAYERS = ("photo/", "matte/", "cost/", "graph/", "cameras")
 _VIEWER_LAYERS = ("cameras", "straight/", "voxels", "field", "flow", "skeleton", "coarse.glb", "tree.glb")
+Kind = Literal["bad", "info", "good"]
+_ICONS = {"bad": "error_outline", "info": "info_outline", "good": "check"}
 _GROW = 1.15  # a brush by one press of a bracket
 
 
@@ -74,13 +76,17 @@ class StudioPage:
         bench.on_problem(self.tell)
         bench.watch(self._show_state)
 
-    def tell(
-        self, message: str, kind: Literal["negative", "warning", "info", "positive"] = "negative"
-    ) -> None:
+    def tell(self, message: str, kind: Kind = "bad") -> None:
         """Says something to the person."""
         with self.client:
             ui.notify(
-                message, type=kind, position="bottom-left", multi_line=True, timeout=9000, close_button=True
+                message,
+                position="bottom-left",
+                multi_line=True,
+                timeout=9000,
+                close_button="Close",
+                icon=_ICONS[kind],
+                classes=f"note {kind}",
             )
 
     def begin(self) -> Callable[[], None]:
@@ -146,7 +152,7 @@ class StudioPage:
 
     def _on_exported(self, event: dict[str, Any]) -> None:
         self.export.done(event["url"], event["name"])
-        self.tell(f"{event['name']} is written", "positive")
+        self.tell(f"{event['name']} is written", "good")
 
     def _on_layer(self, event: dict[str, Any]) -> None:
         self._layer(event)
