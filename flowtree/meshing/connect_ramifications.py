@@ -107,7 +107,8 @@ def connect_ramifications(
     drift[0] = 0.0
     rings = lay_rings(curves, exits, made, units, collars, drift)
     corners = place_corners(curves, exits, rings, drift, steps - made.birth, params)
-    work = _Work(exits, curves.host, made, units, rings, corners, targets, depths(curves.host), steps)
+    depth = depths(curves.host).astype(np.int64)
+    work = _Work(exits, curves.host, made, units, rings, corners, targets, depth, steps)
     none = ControlMesh(*(np.zeros(shape, kind) for shape, kind in _EMPTY))
     mesh = _grown(work, 0, none)
     for step in range(1, steps + 1):

@@ -81,7 +81,7 @@ def _around(quads: Ints, moves: Bools, creased: Ints) -> tuple[Bools, Bools]:
     for _ in range(_RINGS):
         near[quads[near[quads].any(axis=1)]] = True
     near &= moves
-    return near, near[quads].any(axis=1)
+    return near, np.asarray(near[quads].any(axis=1), np.bool_)
 
 
 def _edges(quads: Ints, still: Bools) -> tuple[Ints, Ints]:
