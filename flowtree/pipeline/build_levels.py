@@ -25,6 +25,7 @@ from flowtree.params import MeshingParams
 
 _MOST_LEVELS = 4
 _NEXT = 0.78  # of level 0's triangles, in level 1
+_FEWER = 0.9  # of the triangles of the level before, in any level
 _FAR, _FAR_SHARE = 4000, 15  # level 2: triangles at most, and how many times fewer than in level 0
 _FARTHEST = 4  # times fewer in level 3 than in level 2
 _LEAST = 64  # triangles, which may become fewer no more
@@ -105,13 +106,15 @@ def build_levels(
     foliage = tree.foliage
     order = None if foliage is None else spread_order(foliage.position, seed=seed)
     levels: list[TreeModel] = []
-    spent = whole
     for budget in budgets:
         if whole <= budget:
             levels.append(tree)
             continue
-        most = max(min(budget, int(_NEXT * spent)), least) if levels else budget
-        level, spent = _build_level(tree, most, rank, order, meshing, device)
+        level = _build_level(tree, budget, rank, order, meshing, device)
+        while levels and budget > least and _triangles(level) > _FEWER * _triangles(levels[-1]):
+            # Where all branches fit, a smaller budget may have been used better.
+            budget = max(int(_FEWER * budget), least)
+            level = _build_level(tree, budget, rank, order, meshing, device)
         levels.append(level)
     return tuple(levels)
 
@@ -129,8 +132,7 @@ def _build_level(
     order: NDArray[np.int64] | None,
     meshing: MeshingParams,
     device: str | None,
-) -> tuple[TreeModel, int]:
-    """A level within a budget, and how much of it that one takes up."""
+) -> TreeModel:
     foliage = tree.foliage if tree.foliage is not None and len(tree.foliage.position) else None
     shapes = [] if foliage is None else _leaf_shapes(foliage)
     fewest = 0 if foliage is None else len(foliage.position) * len(shapes[-1].triangles)
@@ -159,8 +161,7 @@ def _build_level(
         thinned = thin_leaves(foliage, order, count, leaf, worn) if count else None
         foliage = None if thinned is None else replace(thinned, node=fitted.moved[thinned.node])
     bark = replace(tree.bark, double_sided=True) if fitted.blades else tree.bark
-    level = replace(tree, skeleton=fitted.skeleton, wood=wood, bark=bark, foliage=foliage)
-    return level, fitted.cost + _triangles(level) - len(wood.triangles)
+    return replace(tree, skeleton=fitted.skeleton, wood=wood, bark=bark, foliage=foliage)
 
 
 def _leaf_shapes(foliage: Foliage) -> list[TreeMesh]:
