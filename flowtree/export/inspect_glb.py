@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flowtree.export.decode_texture import texture_size
 from flowtree.export.instance_places import instance_places
 from flowtree.export.parse_glb import GlbFile, parse_glb, refuse_malformed
-from flowtree.geometry.closed_surfaces import is_closed, weld
+from flowtree.geometry.closed_surfaces import is_closed, weld, without_sheets
 
 _TRIANGLES = 4
 _AT_ONCE = 4096  # instances
@@ -29,7 +29,8 @@ def inspect_glb(path: Path) -> dict[str, Any]:
         "channels"}], "extensions": {"used", "required"}, "bounds": {"min", "max"} [m] or None, "watertight",
         "warnings": [text]}``; meshes, triangles and bounds are those of the scene to show, and an instanced
         mesh counts as often as it stands there; levels, where there are several, are its and the other
-        scenes'; ``watertight`` is the wood's, None where no mesh is named so.
+        scenes'; ``watertight`` is the wood's but for sheets seen from both sides,
+        None where no mesh is named so.
 
     Raises:
         InputError: it cannot be read, is no GLB, is damaged, or its meshes are compressed.
@@ -106,8 +107,19 @@ def _measure(
         for positions, _ in surfaces:
             corners += _box(positions, matrix @ places)
         if name.endswith("_wood"):
-            watertight = watertight is not False and all(is_closed(weld(*surface)) for surface in surfaces)
+            shut = all(_is_shut(file, *each) for each in zip(pieces, surfaces, strict=True))
+            watertight = watertight is not False and shut
     return meshes, corners, watertight
+
+
+def _is_shut(
+    file: GlbFile, piece: dict[str, Any], surface: tuple[NDArray[np.float64], NDArray[np.int64]]
+) -> bool:
+    """Whether a surface is closed; where both sides are seen, twigs may be sheets."""
+    triangles = weld(*surface)
+    if "material" in piece and file.entry("materials", piece["material"]).get("doubleSided"):
+        triangles = without_sheets(triangles)
+    return is_closed(triangles)
 
 
 def _box(positions: NDArray[np.float64], matrices: NDArray[np.float64]) -> list[NDArray[np.float64]]:

@@ -38,7 +38,7 @@ def subdivide_quads(
     count, faces = len(positions), quads.astype(np.int64)
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     key = np.minimum(start, end) * count + np.maximum(start, end)
-    order = _sorting(key)
+    order = order_of(key)
     # In the sorted list the quads of an edge lie side by side.
     fresh = np.concatenate(([True], np.diff(key[order]) != 0))[: len(key)]
     first = np.flatnonzero(fresh)
@@ -71,7 +71,7 @@ def subdivide_quads(
     return np.concatenate([moved, on_edge, center]), rows.reshape(-1, 4), edges
 
 
-def _sorting(key: Ints) -> Ints:
+def order_of(key: Ints) -> Ints:
     """Where the keys (n,), none negative, stand when sorted, equal ones as they come."""
     bits = len(key).bit_length()
     if int(key.max(initial=0)).bit_length() + bits > 63:

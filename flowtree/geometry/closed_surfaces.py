@@ -47,6 +47,29 @@ def is_watertight(triangles: NDArray[np.integer[Any]]) -> bool:
     return len(passed) > 0 and once and np.array_equal(passed, np.sort(backward))
 
 
+def without_sheets(triangles: NDArray[np.integer[Any]]) -> NDArray[np.int64]:
+    """The triangles (k, 3) of all pieces but sheets: those whose every vertex lies on the piece's rim.
+
+    Args:
+        triangles: (m, 3), vertices at one place with one number.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    flat = triangles.astype(np.int64)
+    count = int(flat.max(initial=-1)) + 1
+    start, end = flat.ravel(), np.roll(flat, -1, axis=1).ravel()
+    links = coo_array((np.ones(len(start), np.bool_), (start, end)), shape=(count, count))
+    number, piece = connected_components(links, directed=False)
+    forward, backward = _edges(flat)
+    rim = ~np.isin(forward, backward)
+    inner = np.ones(count, np.bool_)
+    inner[start[rim]] = inner[end[rim]] = False
+    solid = np.zeros(number, np.bool_)
+    solid[piece[inner]] = True
+    return np.asarray(flat[solid[piece[flat[:, 0]]]], np.int64)
+
+
 def _edges(triangles: NDArray[np.integer[Any]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """One number for every triangle's edges as they are passed, and for the same edges the other way."""
     flat = triangles.astype(np.int64)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree.geometry.catmull_clark import ROUND
+from flowtree.geometry.local_units import turn_between
 from flowtree.meshing.branch_axes import Floats, Ints, unit
 from flowtree.meshing.branch_curves import BranchCurves
 from flowtree.meshing.find_exits import Exits
@@ -125,7 +126,10 @@ def place_corners(
     flare = np.exp(-arc / (_FLARE_REACH * exits.host_radius[0]))
     radius = np.where(trunk, radius * (1.0 + params.root_flare * flare), radius)
 
-    center = center + drifted(chain, arc - arc[first][chain], drift, exits.radius)
+    pushed = center + drifted(chain, arc - arc[first][chain], drift, exits.radius)
+    turned = turns_of(chain, center, pushed)
+    turned[foot] = np.eye(3)
+    center, along = pushed, np.einsum("rij,rj->ri", turned, along)
 
     factor = np.array([1.0 / shrinkage(steps) for steps in range(int(steps_left.max()) + 1)])
     reach = radius * factor[steps_left[chain]]
@@ -154,6 +158,22 @@ def place_corners(
     return RingCorners(corner, node, repeats, start, first, last)
 
 
+def turns_of(chain: Ints, before: Floats, after: Floats) -> Floats:
+    """Rotations (r, 3, 3) that keep rings across their branches when their centres (r, 3) are moved.
+
+    The base keeps its own: it lies in the host's surface.
+    """
+    first = np.diff(chain, prepend=-1) != 0
+    last = np.diff(chain, append=-1) != 0
+    ways = []
+    for center in (before, after):
+        ahead = np.where(last[:, None], center, np.roll(center, -1, axis=0))
+        ways.append(unit(ahead - np.roll(center, 1, axis=0)))
+    lost = first | (np.linalg.norm(ways[0], axis=1) < 0.5) | (np.linalg.norm(ways[1], axis=1) < 0.5)
+    ways[0][lost] = ways[1][lost] = (0.0, 1.0, 0.0)
+    return turn_between(ways[0], ways[1])
+
+
 def drifted(chain: Ints, away: Floats, drift: Floats, radius: Floats) -> Floats:
     """How far rings (r, 3) [m] are moved for branches (c,) that were pushed by drifts (c, 3).
 
@@ -165,11 +185,23 @@ def drifted(chain: Ints, away: Floats, drift: Floats, radius: Floats) -> Floats:
         drift: (c, 3) [m].
         radius: (c,) [m].
     """
-    left = np.square(np.clip(1.0 - away / return_from(drift, radius)[chain], 0.0, 1.0))
+    left = _share_left(away, return_from(drift, radius)[chain])
     before = np.where(np.concatenate(([False], chain[1:] == chain[:-1])), np.roll(left, 1), 0.0)
     share = np.where(left > 0.0, left, -_OVERSHOOT * before)
     moved: Floats = share[:, None] * drift[chain]
     return moved
+
+
+def drift_left(away: Floats, drift: Floats, radius: Floats) -> Floats:
+    """What is left (n, 3) [m] of drifts (n, 3) at distances (n,) from the bases of branches."""
+    left: Floats = _share_left(away, return_from(drift, radius))[:, None] * drift
+    return left
+
+
+def _share_left(away: Floats, back: Floats) -> Floats:
+    """(n,) from 1 at the base to 0 where a branch is back on its axis."""
+    share: Floats = np.square(np.clip(1.0 - away / back, 0.0, 1.0))
+    return share
 
 
 def build_tubes(

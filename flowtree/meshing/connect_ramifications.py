@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flowtree.geometry.catmull_clark import ROUND, subdivide_corners, subdivide_quads
+from flowtree.geometry.parent_array import depths
 from flowtree.meshing.branch_axes import Floats, Ints
 from flowtree.meshing.branch_curves import BranchCurves, trace_curves
 from flowtree.meshing.build_tubes import (
@@ -17,8 +18,10 @@ from flowtree.meshing.build_tubes import (
     ControlMesh,
     RingCorners,
     build_tubes,
+    drift_left,
     drifted,
     place_corners,
+    turns_of,
 )
 from flowtree.meshing.check_skeleton import check_skeleton
 from flowtree.meshing.classify_ramifications import (
@@ -29,12 +32,13 @@ from flowtree.meshing.classify_ramifications import (
     Ramifications,
     classify_ramifications,
 )
-from flowtree.meshing.find_exits import Exits, find_exits
+from flowtree.meshing.find_exits import Exits, leave_wood
 from flowtree.meshing.find_hosts import find_faces, find_holes
 from flowtree.meshing.lay_rings import ControlRings, lay_rings
 from flowtree.meshing.open_faces import Openings, open_faces
 from flowtree.meshing.paste_ramifications import fill_face, open_vertices, paste_subdivided
 from flowtree.meshing.place_units import Units, place_units, shape_collars
+from flowtree.meshing.relax_creases import relax_creases
 from flowtree.model.mesh import QuadMesh
 from flowtree.model.skeleton import Skeleton
 from flowtree.params import MeshingParams
@@ -43,6 +47,9 @@ _EMPTY = (((0, 3), float), ((0,), int), ((0, 4), int), ((0, 4, 2), float), ((0,)
 _LIFT = 0.3  # radii by which a start boundary is lifted from the face, where little smoothing follows
 _RISE = 1.0  # radii by which the crotch of a branch along its host is filled
 _RISE_LIFTED = 0.3  # the same where the boundary is lifted
+# Square tubes turn by 90 degrees at their edges, octagons by 45.
+_SHARP_BEFORE, _SHARP = 105.0, 58.0  # [degrees], creases that are rounded before and after the last step
+_ROUNDS_BEFORE, _ROUNDS = 15, 30
 _THIN = 0.25  # of the host's radius: thinner branches fit into one face of it, once subdivided
 
 
@@ -55,7 +62,7 @@ def connect_ramifications(
 ) -> QuadMesh:
     """Covers all branches with one closed surface of quads, smooth at forks (Manifold Ramifications).
 
-    1. Branches are followed to where they leave their hosts (`find_exits`); connectable ones get a unit of
+    1. Branches are followed to where they leave their hosts (`leave_wood`); connectable ones get a unit of
        their host, a stretch whose main face faces them (`classify_ramifications`, `place_units`).
     2. The control mesh is square tubes through the units' boundaries (`lay_rings`, `build_tubes`), wider than
        the branches by what subdivision takes. A connectable branch begins in the main face (`open_faces`).
@@ -91,8 +98,7 @@ def connect_ramifications(
     """
     check_skeleton(skeleton)
     steps = params.subdivisions
-    curves = trace_curves(skeleton, device=device)
-    exits = find_exits(curves)
+    curves, exits = leave_wood(trace_curves(skeleton, device=device))
     made = classify_ramifications(curves, exits, subdivisions=steps, all_additional=all_additional)
     collars = shape_collars(curves, exits, made.birth, max(steps - 1, 0))
     made, units = place_units(curves, exits, made, collars, subdivisions=steps)
@@ -101,13 +107,18 @@ def connect_ramifications(
     drift[0] = 0.0
     rings = lay_rings(curves, exits, made, units, collars, drift)
     corners = place_corners(curves, exits, rings, drift, steps - made.birth, params)
-    work = _Work(exits, curves.host, made, units, rings, corners, targets, collars.second, steps)
+    depth = depths(curves.host).astype(np.int64)
+    work = _Work(exits, curves.host, made, units, rings, corners, targets, depth, steps)
     none = ControlMesh(*(np.zeros(shape, kind) for shape, kind in _EMPTY))
     mesh = _grown(work, 0, none)
     for step in range(1, steps + 1):
+        if step == steps:
+            mesh = _relaxed(mesh, _SHARP_BEFORE, _ROUNDS_BEFORE)
         mesh = _subdivided(mesh)
         mesh = _pasted(work, step - 1, mesh)
         mesh = _grown(work, step, mesh)
+    if steps:
+        mesh = _relaxed(mesh, _SHARP, _ROUNDS)
     return _finished(mesh, float(skeleton.points[0, 1]))
 
 
@@ -122,7 +133,7 @@ class _Work:
     rings: ControlRings
     corners: RingCorners
     target: Floats  # (c, 3) [m], where on its host's surface each begins
-    collar: Floats  # (c,) [m], arc of the last ring by which each begins
+    depth: Ints  # (c,) branches between each and branch 0
     steps: int  # subdivisions of the whole
 
     def openings(self, branch: Ints, vertex: Ints) -> Openings:
@@ -179,12 +190,27 @@ def _grown(work: _Work, step: int, mesh: ControlMesh) -> ControlMesh:
     vertex, quad = vertex + len(mesh.positions), quad + len(mesh.quads)
     mesh = mesh.joined(tubes)
 
+    main = np.full(len(work.host), -1, np.int64)
     planted = branches[made.kind[branches] == CONNECTABLE]
-    main = work.main_faces(planted, quad)
-    mesh.kind[main] = CLOSED  # kept for them
-    later = branches[made.kind[branches] == LATER]
+    main[planted] = work.main_faces(planted, quad)
+    mesh.kind[main[planted]] = CLOSED  # kept for them
+    # From hosts to what leaves them: where a host was moved, its branches begin where it is now.
+    depth = work.depth[branches]
+    for level in np.unique(depth):
+        now = branches[depth == level]
+        mesh = _put_in(work, step, mesh, now[made.kind[now] == LATER], vertex)
+        planted = now[made.kind[now] == CONNECTABLE]
+        mesh = open_faces(mesh, main[planted], work.openings(planted, vertex))
+        _follow(work, mesh, planted, vertex)
+    return mesh
+
+
+def _put_in(work: _Work, step: int, mesh: ControlMesh, later: Ints, vertex: Ints) -> ControlMesh:
+    """The mesh with branches (p,) joined to quads of their hosts that nobody has kept for them."""
+    if not len(later):
+        return mesh
     thick = work.exits.radius[later] >= _THIN * work.exits.host_radius[later]
-    wide = later[thick & (made.birth[work.host[later]] < step)]
+    wide = later[thick & (work.made.birth[work.host[later]] < step)]
     hole = find_holes(mesh, work.host[wide], work.target[wide], work.exits.radius[wide])
     found = hole[:, 0] >= 0
     mesh = open_vertices(mesh, hole[found], work.openings(wide[found], vertex))
@@ -196,14 +222,11 @@ def _grown(work: _Work, step: int, mesh: ControlMesh) -> ControlMesh:
         mesh = open_faces(mesh, face[put], work.openings(later[put], vertex))
         _follow(work, mesh, later[put], vertex)
         later = later[~put]
-    mesh = open_faces(mesh, main, work.openings(planted, vertex))
-    # Their hosts' rings have their places already: only what lies before the first unit may follow.
-    _follow(work, mesh, planted, vertex, all_rings=False)
     return mesh
 
 
-def _follow(work: _Work, mesh: ControlMesh, branch: Ints, vertex: Ints, *, all_rings: bool = True) -> None:
-    """Moves the first rings of branches (p,) to where their hosts have let them begin."""
+def _follow(work: _Work, mesh: ControlMesh, branch: Ints, vertex: Ints) -> None:
+    """Moves the first rings of branches (p,), and what leaves them, to where hosts have let them begin."""
     corners, exits = work.corners, work.exits
     first = corners.first[branch]
     base = mesh.positions[vertex[first][:, None] + np.arange(4)].mean(axis=1)
@@ -215,12 +238,21 @@ def _follow(work: _Work, mesh: ControlMesh, branch: Ints, vertex: Ints, *, all_r
     chosen[branch] = True
     chain = work.rings.chain
     ring = np.flatnonzero(chosen[chain])
-    ring = ring[ring != corners.first[chain[ring]]]
-    if not all_rings:
-        ring = ring[work.rings.arc[ring] <= work.collar[chain[ring]]]
     on = chain[ring]
     away = work.rings.arc[ring] - work.rings.arc[corners.first[on]]
-    mesh.positions[vertex[ring][:, None] + np.arange(4)] += drifted(on, away, off, exits.radius)[:, None]
+    rows = vertex[ring][:, None] + np.arange(4)
+    corner = mesh.positions[rows]
+    based = ring == corners.first[on]
+    corner[based] = corners.corner[ring[based]]
+    center = corner.mean(axis=1)
+    moved = drifted(on, away, off, exits.radius)
+    turn = turns_of(on, center, center + moved)
+    corner = (center + moved)[:, None] + np.einsum("rij,rkj->rki", turn, corner - center[:, None])
+    mesh.positions[rows[~based]] = corner[~based]
+    follower = np.flatnonzero(chosen[work.host] & (work.host >= 0))
+    host = work.host[follower]
+    away = work.made.middle[follower] - work.rings.arc[corners.first[host]]
+    work.target[follower] += drift_left(away, off[host], exits.radius[host])
 
 
 def _pasted(work: _Work, step: int, mesh: ControlMesh) -> ControlMesh:
@@ -247,6 +279,11 @@ def _bases(mesh: ControlMesh, branch: Ints) -> Ints:
     at = np.searchsorted(mesh.branch[base], branch)
     rows: Ints = base[at[:, None] + np.arange(4)]
     return rows
+
+
+def _relaxed(mesh: ControlMesh, limit: float, rounds: int) -> ControlMesh:
+    """The mesh with its creases of more than a limit [degrees] rounded."""
+    return replace(mesh, positions=relax_creases(mesh, limit=limit, rounds=rounds, kept=(BASE, FOOT)))
 
 
 def _subdivided(mesh: ControlMesh) -> ControlMesh:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -94,6 +94,22 @@ def find_exits(curves: BranchCurves) -> Exits:
     slant = np.clip(1.0 / np.sqrt(np.maximum(1.0 - lean**2, 1e-6)), 1.0, _SLANT)
     half = _WIDTH * radius[:, None] * np.stack([np.ones(count), slant], axis=1)
     return Exits(begin, arc, outward, along, angle, radius, host_radius, lean, direction, half)
+
+
+def leave_wood(curves: BranchCurves) -> tuple[BranchCurves, Exits]:
+    """The curves and their exits, where what leaves a branch within that one's host leaves the host itself.
+
+    A branch of a thick host runs in its wood for a while; what it carries there comes out of the host.
+    """
+    while True:
+        exits = find_exits(curves)
+        hidden = np.flatnonzero((curves.host > 0) & (exits.arc < exits.begin[curves.host]))
+        if not len(hidden):
+            return curves, exits
+        host, fork_arc = curves.host.copy(), curves.fork_arc.copy()
+        fork_arc[hidden] = exits.arc[curves.host[hidden]]
+        host[hidden] = curves.host[curves.host[hidden]]
+        curves = replace(curves, host=host, fork_arc=fork_arc)
 
 
 def _nearest_arc(curves: BranchCurves, host: Ints, fork_arc: Floats, place: Floats) -> Floats:

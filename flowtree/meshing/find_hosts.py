@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from flowtree.meshing.branch_axes import Floats, Ints
 from flowtree.meshing.build_tubes import HOSTING, ControlMesh
 
-_LOOKED_AT = 12  # places that each branch chooses among
+_LOOKED_AT = 3  # places that each branch chooses among
 
 
 def find_faces(mesh: ControlMesh, host: Ints, target: Floats, rank: Floats) -> Ints:

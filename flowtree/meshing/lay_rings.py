@@ -98,7 +98,7 @@ def lay_rings(
 
 def return_from(drift: Floats, radius: Floats) -> Floats:
     """How far (n,) [m] from their bases branches that were pushed (n, 3) are on their own axes."""
-    back: Floats = 2.0 * np.linalg.norm(drift, axis=1) + 1.5 * radius
+    back: Floats = 1.1 * np.linalg.norm(drift, axis=1) + 1.5 * radius
     return back
 
 

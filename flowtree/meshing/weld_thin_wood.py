@@ -54,15 +54,20 @@ def weld_thin_wood(wood: TreeMesh, skeleton: Skeleton, *, radius: float) -> Tree
 
 
 def _keep_sides_apart(triangles: NDArray[np.int32], stands: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Undoes what makes two triangles of the same vertices, or one without area: many programs drop such."""
-    corners = np.sort(stands[triangles], axis=1)
-    order = np.lexsort(corners.T)
-    twin = (corners[order[1:]] == corners[order[:-1]]).all(axis=1)
-    bad = (corners[:, 1:] == corners[:, :-1]).any(axis=1)
-    bad[order[1:][twin]] = bad[order[:-1][twin]] = True
-    if not bad.any():
-        return stands
+    """Undoes what makes two triangles of the same vertices, or one without area: many programs drop such.
+
+    Of each such triangle one corner is left alone, the last: the tip of a blade has a vertex for either side.
+    """
     apart = stands.copy()
-    touched = np.isin(stands, stands[triangles[bad]])
-    apart[touched] = np.flatnonzero(touched)
-    return apart
+    while True:
+        corners = np.sort(apart[triangles], axis=1)
+        order = np.lexsort(corners.T)
+        twin = (corners[order[1:]] == corners[order[:-1]]).all(axis=1)
+        bad = (corners[:, 1:] == corners[:, :-1]).any(axis=1)
+        bad[order[1:][twin]] = True
+        moved = np.where(apart[triangles] != triangles, triangles, -1)
+        last = moved[bad | np.isin(np.arange(len(bad)), order[:-1][twin])].max(axis=1, initial=-1)
+        last = last[last >= 0]
+        if not len(last):
+            return apart
+        apart[last] = last

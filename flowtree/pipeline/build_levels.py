@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flowtree import check
 from flowtree.geometry.spread_order import spread_order
+from flowtree.levels.drop_backs import drop_backs
 from flowtree.levels.rank_branches import BranchRank, rank_branches
 from flowtree.levels.share_triangles import share_triangles
 from flowtree.levels.simplify_leaf import simplify_leaf
@@ -23,7 +24,8 @@ from flowtree.model.tree import TreeModel
 from flowtree.params import MeshingParams
 
 _MOST_LEVELS = 4
-_NEXT = 0.66  # of level 0's triangles, in level 1
+_NEXT = 0.78  # of level 0's triangles, in level 1
+_FEWER = 0.9  # of the triangles of the level before, in any level
 _FAR, _FAR_SHARE = 4000, 15  # level 2: triangles at most, and how many times fewer than in level 0
 _FARTHEST = 4  # times fewer in level 3 than in level 2
 _LEAST = 64  # triangles, which may become fewer no more
@@ -31,13 +33,31 @@ _COARSEST = {"sides": 3, "tolerance": 0.2}  # of meshing, for a trunk that is to
 _NEAR_ENOUGH = 0.94  # of the wood's triangles: more than this are used where there are branches left
 _TRIES, _SETTLED = 8, 1
 _REFINED, _ROOMY = 2, 1.1
-_FEWEST, _USUAL = 2, 3  # triangles of a branch
+_FEWEST, _USUAL = 1, 3  # triangles of a branch
 _SPRAYED, _LARGEST_SPRAY = 2.2, 12  # leaves for each that is kept, from which on a card shows many; at most
 _LOST = 1.2  # by which the surface of coarse wood is usually less than it was
 _MOST_SHARE = 1.6
+# What a file holds of wood, thin wood welded, and how much of it a triangle of the budget stands for: of
+# 50,000 the file stays below 4 MB.
+_VERTEX_BYTES, _TRIANGLE_BYTES, _BYTES = 45, 12, 75
 _ENOUGH = 0.9  # of the surface: with less of it, fewer branches that are thick enough are likelier
 
-_Wood = tuple[Skeleton, NDArray[np.int32], TreeMesh]
+
+@dataclass(frozen=True)
+class _Wood:
+    """A level's wood: ``surface`` [m²] counts both sides of its blades, of which only one is in the mesh."""
+
+    skeleton: Skeleton
+    moved: NDArray[np.int32]
+    mesh: TreeMesh
+    surface: float
+    blades: bool
+
+    @property
+    def cost(self) -> int:
+        """Triangles of the budget that it takes up: more than it has, where they share few vertices."""
+        stored = _VERTEX_BYTES * len(self.mesh.positions) + _TRIANGLE_BYTES * len(self.mesh.triangles)
+        return max(len(self.mesh.triangles), -(-stored // _BYTES))
 
 
 def build_levels(
@@ -51,13 +71,14 @@ def build_levels(
 ) -> tuple[TreeModel, ...]:
     """Makes levels of detail from the tree's skeleton and leaves, the finest first.
 
-    Level 0 has ``max_triangles`` at most, and is the tree itself where that fits; level 1 has 66 % of them,
-    level 2 a fifteenth and 4,000 at most, level 3 a quarter of that; none need have less than 64. The wood is
-    swept anew, with fewer sides and rings and, where that is not enough, fewer and thicker twigs (see
-    `thin_skeleton`); there are fewer and larger leaves (see `thin_leaves`) of fewer triangles (see
-    `simplify_leaf`), or where they would be far larger, sprays of small ones (see `spray_leaf`). A branch or
-    leaf of a level is in all finer ones, too. Leaves of branches that are gone belong to the node where these
-    began.
+    Level 0 has ``max_triangles`` at most, and is the tree itself where that fits; level 1 has 78 % of them,
+    level 2 a fifteenth and 4,000 at most, level 3 a quarter of that; none need have less than 64. Wood whose
+    triangles share few vertices gets fewer of them, so that files stay small. The wood is swept anew, with
+    fewer sides and rings, the thinnest twigs as sheets of two sides (`drop_backs`), and where that is not
+    enough, fewer and thicker twigs (`thin_skeleton`); there are fewer and larger leaves
+    (`thin_leaves`) of fewer triangles (`simplify_leaf`), or where they would be far larger, sprays of small
+    ones (`spray_leaf`). A branch or leaf of a level is in all finer ones, too. Leaves of branches that are
+    gone belong to the node where these began.
 
     Args:
         tree: with its skeleton.
@@ -84,10 +105,18 @@ def build_levels(
     rank = rank_branches(tree.skeleton, seed=seed)
     foliage = tree.foliage
     order = None if foliage is None else spread_order(foliage.position, seed=seed)
-    return tuple(
-        tree if whole <= budget else _build_level(tree, budget, rank, order, meshing, device)
-        for budget in budgets
-    )
+    levels: list[TreeModel] = []
+    for budget in budgets:
+        if whole <= budget:
+            levels.append(tree)
+            continue
+        level = _build_level(tree, budget, rank, order, meshing, device)
+        while levels and budget > least and _triangles(level) > _FEWER * _triangles(levels[-1]):
+            # Where all branches fit, a smaller budget may have been used better.
+            budget = max(int(_FEWER * budget), least)
+            level = _build_level(tree, budget, rank, order, meshing, device)
+        levels.append(level)
+    return tuple(levels)
 
 
 def _triangles(tree: TreeModel) -> int:
@@ -110,7 +139,8 @@ def _build_level(
     shares = share_triangles(budget, branches=len(rank.fork), leaves=fewest, sides=meshing.sides)
     params = meshing.model_copy(update={"sides": shares.sides, "tolerance": shares.tolerance})
     thickening = shares.thickening * tree.height
-    skeleton, moved, wood = _fit_wood(tree, rank, shares.wood, thickening, params, device)
+    fitted = _fit_wood(tree, rank, shares.wood, thickening, params, device)
+    wood = fitted.mesh
     check.require(
         len(wood.triangles) <= budget,
         "max_triangles",
@@ -129,8 +159,9 @@ def _build_level(
             leaf, worn = spray_leaf(worn, columns / rows, together)
             count = min(len(order), left // len(leaf.triangles))
         thinned = thin_leaves(foliage, order, count, leaf, worn) if count else None
-        foliage = None if thinned is None else replace(thinned, node=moved[thinned.node])
-    return replace(tree, skeleton=skeleton, wood=wood, foliage=foliage)
+        foliage = None if thinned is None else replace(thinned, node=fitted.moved[thinned.node])
+    bark = replace(tree.bark, double_sided=True) if fitted.blades else tree.bark
+    return replace(tree, skeleton=fitted.skeleton, wood=wood, bark=bark, foliage=foliage)
 
 
 def _leaf_shapes(foliage: Foliage) -> list[TreeMesh]:
@@ -165,30 +196,31 @@ def _fit_wood(
         nonlocal share
         thinned, moved = thin_skeleton(tree.skeleton, rank, count, most=most, share=share)
         wood = sweep_rings(thinned, params=params, device=device)
-        share = float(np.clip(share * whole / _surface(wood), 1.0, _MOST_SHARE))
-        return thinned, moved, wood
+        surface, mesh = _surface(wood), drop_backs(wood)
+        share = float(np.clip(share * whole / surface, 1.0, _MOST_SHARE))
+        return _Wood(thinned, moved, mesh, surface, mesh is not wood)
 
     whole, count = _surface(tree.wood), len(rank.fork)
     high, first = (count, _USUAL * count), _LOST
     if _FEWEST * count <= budget:
         best = build(count)
-        high, first = (count, len(best[2].triangles)), share
+        high, first = (count, best.cost), share
         if high[1] <= budget:
             fits, finer = params.tolerance, 1.0
             for _ in range(_REFINED):
-                room = budget / len(best[2].triangles)
+                room = budget / best.cost
                 if room > _ROOMY:  # triangles grow with about the inverse root of the tolerance
                     params = params.model_copy(update={"tolerance": fits / room**finer})
                 again = build(count)
-                if len(again[2].triangles) > budget:
-                    high, finer = (count, len(again[2].triangles)), 0.5 * finer
+                if again.cost > budget:
+                    high, finer = (count, again.cost), 0.5 * finer
                 else:
                     best, fits = again, params.tolerance
-            if _surface(best[2]) >= _ENOUGH * whole or high[1] <= budget:
+            if best.surface >= _ENOUGH * whole or high[1] <= budget:
                 return best
             params = params.model_copy(update={"tolerance": fits})
     best = build(1)
-    low = (1, len(best[2].triangles))
+    low = (1, best.cost)
     if low[1] > budget:
         params = params.model_copy(update=_COARSEST)
         return build(1)
@@ -205,11 +237,10 @@ def _fit_wood(
         made = build(count)
         if step >= _SETTLED:  # thicker branches need more triangles: the search would never end
             share = before
-        triangles = len(made[2].triangles)
-        if triangles <= budget:
-            best, low = made, (count, triangles)
+        if made.cost <= budget:
+            best, low = made, (count, made.cost)
         else:
-            high = (count, triangles)
+            high = (count, made.cost)
     return best
 
 

@@ -1,6 +1,5 @@
 import dataclasses
 import json
-import time
 from pathlib import Path
 
 import manifold3d
@@ -216,12 +215,33 @@ def test_nodes_in_one_place_and_swelling_branches_are_repaired():
         assert np.isfinite(mesh.positions).all()
 
 
-def test_two_thousand_branches_take_a_moment():
-    skeleton = random_skeleton(1, 5800, stubborn=0.6)
-    start = time.perf_counter()
-    mesh = connect_ramifications(skeleton)
-    assert time.perf_counter() - start < 6.0  # measured: 0.4 s; the machine may be busy
+def test_two_thousand_crowded_branches_stay_closed_and_nearly_all_smooth():
+    mesh = connect_ramifications(random_skeleton(1, 5800, stubborn=0.6))
     assert is_one_closed_surface(mesh)
+    assert np.mean(creases(mesh)[0] > 60.0) < 0.006  # a third of what it is without `relax_creases`
+
+
+def test_what_forks_within_the_wood_of_a_limb_leaves_the_limb():
+    """A twig's twigs begin where they come out of the trunk, not where the twig itself does."""
+    points = [
+        [0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 3.0, 0.0],
+        [0.1, 1.1, 0.0],
+        [1.0, 2.0, 0.0],
+        [0.2, 1.1, 0.9],
+    ]
+    made = skeleton_of(np.array([-1, 0, 1, 1, 3, 3]), np.array(points), np.random.default_rng(0))
+    radius = np.array([0.3, 0.3, 0.25, 0.02, 0.02, 0.015], np.float32)
+    mesh = connect_ramifications(
+        dataclasses.replace(made, radius=radius), params=MeshingParams(root_flare=0.0)
+    )
+    assert is_one_closed_surface(mesh)
+    own = mesh.positions[mesh.node == 5].astype(float)
+    start, way = np.array(points[3]), np.array(points[5]) - np.array(points[3])
+    share = np.clip((own - start) @ way / (way @ way), 0.0, 1.0)
+    off = np.linalg.norm(start + share[:, None] * way - own, axis=1)
+    assert np.quantile(off[share > 0.45], 0.9) < 0.03
 
 
 def test_bad_skeletons_get_one_clear_line():

@@ -1,0 +1,104 @@
+"""Rounds creases that are left where branches crowd each other."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flowtree.geometry.catmull_clark import order_of
+from flowtree.meshing.branch_axes import Floats, Ints, unit
+from flowtree.meshing.build_tubes import ControlMesh
+
+Bools = NDArray[np.bool_]
+
+_STEP = 0.3  # of the way that a vertex goes at once
+_STRIDE = 5  # rounds
+_RINGS = 3  # of quads around a crease that may give way in these
+_ALIKE = 1e-12  # of the mesh's extent; nearer neighbours would pull without bound
+
+
+def relax_creases(mesh: ControlMesh, *, limit: float, rounds: int, kept: tuple[int, ...]) -> Floats:
+    """Moves vertices until few edges turn by more than a limit.
+
+    Each end of a crease goes to the straight line between its neighbours across the crease, the nearer one
+    counting more (the curve-shortening flow of that section): a sharp crotch fills, a ridge sinks, and a tube
+    does not become thinner, as it would by smoothing in all directions. What becomes a crease thereby gives
+    way in the next round. Not in the paper, which shows forks with room around them.
+
+    Args:
+        mesh: closed; an edge has two quads.
+        limit: [degrees] between the normals of two quads.
+        rounds: at most; some creases between folded quads never go.
+        kept: kinds of quads whose vertices and edges stay.
+
+    Returns: positions (n, 3) [m].
+    """
+    positions, quads = mesh.positions.copy(), mesh.quads
+    still = np.isin(mesh.kind, kept)
+    moves = np.ones(len(positions), np.bool_)
+    moves[quads[still]] = False
+    one, two = _edges(quads, still)
+    cosine = float(np.cos(np.radians(limit)))
+    tiny = _ALIKE * float(np.ptp(positions, axis=0).max())
+    for turn in range(rounds):
+        normal = _normals(positions, quads)
+        bend = np.einsum("ed,ed->e", normal[one // 4], normal[two // 4])
+        sharp = np.flatnonzero(bend < cosine)
+        if not len(sharp):
+            break
+        here, there, bend = one[sharp], two[sharp], bend[sharp]
+        corner = quads.ravel()
+        ends = np.concatenate([corner[here], corner[_next(here, 1)]])
+        # The second quad passes the edge the other way round.
+        before = np.concatenate([corner[_next(here, 3)], corner[_next(here, 2)]])
+        after = np.concatenate([corner[_next(there, 2)], corner[_next(there, 3)]])
+        weight = np.tile(np.clip(1.0 - bend, 0.1, 2.0), 2)
+        vertex, place = np.unique(ends, return_inverse=True)
+        near, far = (
+            np.maximum(np.linalg.norm(positions[other] - positions[ends], axis=1), tiny)
+            for other in (before, after)
+        )
+        share = (near / (near + far))[:, None]
+        wanted = positions[before] + share * (positions[after] - positions[before])
+        total = np.bincount(place, weight)
+        target = np.stack([np.bincount(place, weight * column) for column in wanted.T], axis=1)
+        if turn % _STRIDE == 0:
+            # Few quads need to be looked at: those that creases reach before the next time.
+            moves, part = _around(quads, moves, np.concatenate([here, there]) // 4)
+            quads, row = quads[part], np.cumsum(part) - 1
+            within = part[one // 4] & part[two // 4]
+            one, two = (4 * row[edge[within] // 4] + edge[within] % 4 for edge in (one, two))
+        free = moves[vertex]
+        vertex, target = vertex[free], target[free] / total[free, None]
+        positions[vertex] += _STEP * (target - positions[vertex])
+    return positions
+
+
+def _around(quads: Ints, moves: Bools, creased: Ints) -> tuple[Bools, Bools]:
+    """Vertices (n,) near quads (k,) that may still move, and all quads (m,) that have one of them."""
+    near = np.zeros(len(moves), np.bool_)
+    near[quads[creased]] = True
+    for _ in range(_RINGS):
+        near[quads[near[quads].any(axis=1)]] = True
+    near &= moves
+    return near, np.asarray(near[quads].any(axis=1), np.bool_)
+
+
+def _edges(quads: Ints, still: Bools) -> tuple[Ints, Ints]:
+    """Corners (e,) from which each edge leaves, in its one quad and in its other; none of quads that stay."""
+    start, end = quads.ravel(), np.roll(quads, -1, axis=1).ravel()
+    order = order_of(np.minimum(start, end) * (int(start.max()) + 1) + np.maximum(start, end))
+    one, two = order[::2], order[1::2]
+    kept = ~(still[one // 4] | still[two // 4])
+    return one[kept], two[kept]
+
+
+def _next(corner: Ints, steps: int) -> Ints:
+    """The corner (e,) of the same quad so many steps on."""
+    return np.asarray(corner - corner % 4 + (corner + steps) % 4, np.int64)
+
+
+def _normals(positions: Floats, quads: Ints) -> Floats:
+    """(m, 3), unit."""
+    first, second = (positions[quads[:, k + 2]] - positions[quads[:, k]] for k in (0, 1))
+    return unit(np.cross(first, second))
