@@ -16,6 +16,7 @@ from flowtree.branches.smooth_branches import smooth_branches
 from flowtree.geometry.parent_array import child_count, parents_first, sum_to_root
 from flowtree.model.attractor import LimbTree
 from flowtree.model.camera import Camera
+from flowtree.model.edit import PaintedEdit
 from flowtree.model.matte import Matte
 from flowtree.model.skeleton import Skeleton
 from flowtree.model.traces import FlowTraces
@@ -27,6 +28,7 @@ def build_skeleton(
     *,
     limbs: LimbTree | None = None,
     crown: Sequence[tuple[Matte, Camera]] = (),
+    edits: Sequence[PaintedEdit] = (),
     params: BranchParams = BranchParams(),
 ) -> Skeleton:
     """Turns the particles' joined paths into branches with forks.
@@ -41,6 +43,7 @@ def build_skeleton(
         traces: of the particles.
         limbs: that the pictures show; None for none.
         crown: each view's matte and camera of a leafy tree, whose gaps no thin branch crosses.
+        edits: one a view, or none: what bears something painted may cross them.
         params: thinning, pruning, smoothing, angles.
 
     Returns: the skeleton, with ``radius`` still 0; the particles at the root are all particles.
@@ -64,7 +67,12 @@ def build_skeleton(
     if crown:
         mattes, cameras = zip(*crown, strict=True)
         parent, points, own, limb = drop_rods(
-            (parent, points, own, limb), mattes, cameras, height=height, longest=params.longest_gap * height
+            (parent, points, own, limb),
+            mattes,
+            cameras,
+            height=height,
+            longest=params.longest_gap * height,
+            edits=edits,
         )
     points = smooth_branches(parent, points, sum_to_root(parent, own), rounds=params.smoothing, still=limb)
     parent, points, own, limb = relax_forks(parent, points, own, limb, least_angle=params.least_angle)

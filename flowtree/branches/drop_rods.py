@@ -8,8 +8,10 @@ import numpy as np
 
 from flowtree.branches.prune_branches import Branches, drop_branches
 from flowtree.geometry.cover_canvas import CELLS, lay_canvas
+from flowtree.geometry.find_painted import find_painted
 from flowtree.geometry.parent_array import levels, main_child, sum_to_root
 from flowtree.model.camera import Camera
+from flowtree.model.edit import PaintedEdit
 from flowtree.model.matte import Matte
 
 _EMPTY = 0.01  # mean alpha of a cell in which there is a gap
@@ -23,6 +25,7 @@ def drop_rods(
     *,
     height: float,
     longest: float,
+    edits: Sequence[PaintedEdit] = (),
 ) -> Branches:
     """Drops side branches that run far through gaps, where a matte shows next to nothing, for few particles.
 
@@ -35,6 +38,8 @@ def drop_rods(
         cameras: theirs.
         height: of the tree [m].
         longest: way through gaps, times the root of a side branch's particles, from which on it goes [m].
+        edits: one a view, or none: what somebody painted beside the crown has no neighbours, so what bears
+            it stays.
     """
     parent, points, own, limb = branches
     above = np.maximum(parent, 0)
@@ -53,4 +58,7 @@ def drop_rods(
         np.maximum.at(ahead, parent[nodes], most[nodes])
         most += ahead
     side = ~limb & (parent >= 0) & (main_child(parent, particles)[above] != np.arange(len(parent)))
-    return drop_branches(branches, side & (most > longest * np.sqrt(particles)))
+    wanted = (
+        sum_to_root(parent, find_painted(points, cameras[: len(edits)], edits).added.astype(np.int64)) > 0
+    )
+    return drop_branches(branches, side & ~wanted & (most > longest * np.sqrt(particles)))

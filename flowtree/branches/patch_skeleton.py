@@ -163,12 +163,7 @@ class _Patching:
         """What the painted tree has in the paint grows from the branches that are there."""
         painted, first = self._painted, self._first
         inside = self._inside[first:]
-        begins = painted.twig & ~painted.twig[np.maximum(painted.parent, 0)]
-        base = inside[np.maximum(painted.parent, 0)] | ~painted.twig
-        for nodes in levels(painted.parent)[1:]:  # a twig belongs where it begins
-            goes_on = nodes[painted.twig[nodes] & ~begins[nodes]]
-            base[goes_on] = base[painted.parent[goes_on]]
-        tips = (child_count(painted.parent) == 0) & inside & base
+        tips = (child_count(painted.parent) == 0) & inside
         tips[0] = False
         ends = tips | ((self._own[first:] > 0) & inside)
         load = sum_to_root(painted.parent, np.where(ends, np.maximum(self._own[first:], 1), 0))

@@ -220,6 +220,7 @@ def run_branches(
     mattes: tuple[Matte, ...],
     bare: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
+    edits: tuple[PaintedEdit, ...],
     leafy: bool,
 ) -> Skeleton:
     """The skeleton with radii: limbs where the graphs run, and as wide as the mattes show."""
@@ -229,7 +230,7 @@ def run_branches(
         replace(one, alpha=np.maximum(one.alpha, two.alpha)) for one, two in zip(bare, mattes, strict=True)
     ]
     crown = tuple(zip(either, cameras, strict=True)) if leafy else ()
-    branches = build_skeleton(traces, limbs=limbs, crown=crown, params=job.params.branches)
+    branches = build_skeleton(traces, limbs=limbs, crown=crown, edits=edits, params=job.params.branches)
     trunk = _agreed_radius([measure_trunk(m, c) for m, c in zip(mattes, cameras, strict=True)])
     bounds = bound_radii(branches, limbs)
     if not leafy and params.exponent is None:

@@ -225,7 +225,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="branches",
         run=_late("run_branches"),
-        inputs=("traces", "limbs", "mattes", "bare_mattes", "cameras", "leafy"),
+        inputs=("traces", "limbs", "mattes", "bare_mattes", "cameras", "edits", "leafy"),
         outputs=("branches",),
         params=("branches", "thickness"),
         share=0.1,

@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 
 from flowtree.branches.drop_rods import drop_rods
 from flowtree.geometry.parent_array import sum_to_root
+from flowtree.model.edit import PaintedEdit
 from flowtree.model.matte import Matte
 from tests.crowns import HEIGHT, camera_at, plane_of
 
@@ -87,3 +88,13 @@ def test_any_tree_stays_a_tree_and_loses_no_particle(seed, longest):
     assert kept.sum() == own.sum()
     assert sum_to_root(made, kept)[0] == own.sum()
     assert len(places) == len(limb) == len(made)
+
+
+def test_what_bears_something_painted_stays():
+    branches = stem_with_branch(4)
+    right, up = plane_of(CAMERAS[0])
+    add = ((right > 2.0) & (up > 3.0)).astype(np.float32)
+    edits = [PaintedEdit(add=add), PaintedEdit()]
+    mattes = mattes_with((0.5, 1.5))
+    made = drop_rods(branches, mattes, CAMERAS, height=HEIGHT, longest=0.1, edits=edits)
+    assert np.array_equal(made[1], branches[1])
