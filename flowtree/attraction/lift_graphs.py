@@ -23,6 +23,7 @@ _ON = 0.004  # of the height: as near as this a place is on a line; cell of the 
 _NEAR = 0.05  # of the height: farther from a graph's line than this a place is not on it
 _SHORTEST = 0.03  # of the height: what a view shows more of a limb than the others must be this long
 _AIR = 2.0  # what a way through air costs, of what a way off the other views' lines costs
+_OVER = 20.0  # and a way above the tree, where an eye sees boughs that reach toward it
 _SHARED = 0.6  # of that cost where the line is another limb's already
 _STEEP = 0.35  # what depth costs: so many times its square over the length seen
 _FAR = 1.2  # depth a limb may gain for the length seen
@@ -298,6 +299,7 @@ class _Lifting:
         index = (place - self._origin) / self._voxel - 0.5
         solid = map_coordinates(self._solid, index.reshape(-1, 3).T, order=1, mode="constant")
         price = _AIR * (1.0 - solid.reshape(place.shape[:2]))
+        price += _OVER * (index[..., 1] > self._solid.shape[1] - 0.5)
         for other in range(len(self._graphs)):
             if other == view or abs(float(self._axes[other][2] @ self._axes[view][2])) > 0.995:
                 continue

@@ -68,6 +68,20 @@ def test_limbs_seen_from_two_sides_are_found(sights):
     assert int((np.bincount(made.parent[1:], minlength=len(made.parent)) == 0).sum()) == 4
 
 
+def test_boughs_toward_the_viewers_do_not_stand_above_the_tree():
+    # Each view sees its own bough above the top, near the stem: taken for one they would stand up there.
+    toward = [[0.03, 0.9, 0.4], [0.4, 0.9, 0.03]]
+    graphs = []
+    for sight, tip in zip(FROM_NEAR, toward, strict=True):
+        seen = limbs_of([[0, 0, 0], [0, 0.9, 0]], [[0, 0.4, 0], tip])
+        graphs.append(graph_of(seen, sight))
+        assert graphs[-1].points[:, 1].max() > 1.1
+    box = DensityVolume(np.ones((24, 24, 24), np.float32), np.float32([-0.5, 0, -0.5]), 1 / 24)
+    made = lift_graphs(graphs, FROM_NEAR, box)
+    assert made.points[:, 1].max() < 1.02
+    assert (made.points[:, [0, 2]].max(axis=0) > 0.2).all(), "they reach out"
+
+
 def test_a_limb_toward_the_viewer_is_as_thick_as_it_is_not_as_it_looks():
     tree = limbs_of([[0, 0, 0], [0, 0.8, 0]], [[0, 0.3, 0], [0.1, 0.5, 0.25]])
     graphs = []
