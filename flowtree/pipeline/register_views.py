@@ -66,21 +66,18 @@ def register_views(
         for key in turns:
             step = _USUAL[key[1]][0] / 2**number
             here = turns[key]
-            least, most = _limits(placements[key[0]], key[1], height)
             cost = {0: best}
             for side in (-1, 1):
-                tried = {**turns, key: here + side * step}
-                cost[side] = trial.unlikelihood(tried, usual) if least <= tried[key] <= most else math.inf
+                cost[side] = trial.unlikelihood({**turns, key: here + side * step}, usual)
             bend = cost[-1] + cost[1] - 2.0 * cost[0]
             slope = (cost[1] - cost[-1]) / 2.0
-            curved = 0.0 < bend < math.inf
-            shift = -slope / bend if curved else 0.0
-            if abs(shift) > 1.0 or not curved:
+            shift = -slope / bend if bend > 0.0 else 0.0
+            if abs(shift) > 1.0 or bend <= 0.0:
                 shift = float(min(cost, key=lambda side: (cost[side], abs(side))))
             found = trial.unlikelihood({**turns, key: here + shift * step}, usual)
             nearest = min((found, shift), *((value, float(side)) for side, value in cost.items()))
             best, turns[key] = nearest[0], here + nearest[1] * step
-            narrow[key] = step / math.sqrt(bend) if curved else usual[key]
+            narrow[key] = step / math.sqrt(bend) if bend > 0.0 else usual[key]
     return tuple(
         adjust_placement(
             placement,
@@ -89,17 +86,6 @@ def register_views(
         )
         for view, placement in enumerate(placements)
     )
-
-
-def _limits(placement: Placement, name: str, height: float) -> tuple[float, float]:
-    """How far a correction may go: an end that the photograph cuts off stays beyond its edge."""
-    foot, top = view_ends(placement, height)[:, 1]
-    tall = max(float(abs(foot - top)), 1e-9)
-    if name == "foot" and "bottom" in placement.missing:
-        return -math.inf, max(0.0, (float(foot) - placement.frame[1]) / tall)
-    if name == "top" and "top" in placement.missing:
-        return min(0.0, float(top) / tall), math.inf
-    return -math.inf, math.inf
 
 
 def _deviation(placement: Placement, name: str, height: float) -> float:
