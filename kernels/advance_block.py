@@ -189,10 +189,17 @@ def advance_block(
             toward = fields.toward[view]
             eye = fields.eye[view]
             for q in range(BLOCK):
-                nearer = toward[0] * tx[q] + toward[1] * ty[q] + toward[2] * tz[q]
-                larger = 1.0 / wp.max(1.0 - nearer, 0.1)
-                u = (right[0] * tx[q] + right[1] * ty[q] + right[2] * tz[q]) * larger * scale_u - shift_u
-                v_ = (eye + (ty[q] - eye) * larger) * scale_v - shift_v
+                across[q] = right[0] * tx[q] + right[1] * ty[q] + right[2] * tz[q]
+                along[q] = ty[q]
+            if wp.length_sq(toward) > 0.0:  # a parallel view needs none of it
+                for q in range(BLOCK):
+                    nearer = toward[0] * tx[q] + toward[1] * ty[q] + toward[2] * tz[q]
+                    larger = 1.0 / wp.max(1.0 - nearer, 0.1)
+                    across[q] = across[q] * larger
+                    along[q] = eye + (ty[q] - eye) * larger
+            for q in range(BLOCK):
+                u = across[q] * scale_u - shift_u
+                v_ = along[q] * scale_v - shift_v
                 u = wp.min(wp.max(u, 0.0), last_u)
                 v_ = wp.min(wp.max(v_, 0.0), last_v)
                 column = wp.min(int(u), columns - 2)
