@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from flowtree.geometry.projection import ParallelSight, to_plane
+from flowtree.geometry.projection import Viewpoint, to_plane
 from flowtree.model.skeleton import Skeleton
 
 _STEP = 0.002  # between two samples of a line [tree heights]
@@ -35,7 +35,7 @@ class Samples:
 
     def seen_from(self, yaw: float) -> Samples:
         """The same in the plane of a view; a line that runs toward it is as long as in the world."""
-        return Samples(to_plane(self.points, ParallelSight(yaw)), self.radius, self.length)
+        return Samples(to_plane(self.points, Viewpoint(yaw)), self.radius, self.length)
 
 
 def sample_lines(

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from flowtree.branches.smooth_branches import smooth_branches
-from flowtree.geometry.parent_array import levels, main_child
+from flowtree.geometry.parent_array import levels, main_child, reach_to_tip
 from flowtree.model.attractor import LimbTree
 from flowtree.model.skeleton import Skeleton
 
@@ -44,18 +44,8 @@ def bound_radii(skeleton: Skeleton, limbs: LimbTree) -> _Array:
     known = ~np.isnan(seen)
     bounds[known, 1] = seen[known]
     thick = known & (seen >= _THINNEST * height)
-    bounds[thick, 0] = np.minimum(seen, _reach(skeleton) / _SLENDER)[thick]
+    bounds[thick, 0] = np.minimum(seen, reach_to_tip(skeleton.parent, skeleton.points) / _SLENDER)[thick]
     return bounds
-
-
-def _reach(skeleton: Skeleton) -> _Array:
-    """How far it is from each node to the farthest tip behind it (n,) [m]."""
-    parent = skeleton.parent
-    length = np.linalg.norm(skeleton.points - skeleton.points[np.maximum(parent, 0)], axis=1)
-    reach = np.zeros(len(parent))
-    for nodes in reversed(levels(parent)[1:]):
-        np.maximum.at(reach, parent[nodes], reach[nodes] + length[nodes])
-    return reach
 
 
 def _settle(skeleton: Skeleton, radius: _Array) -> _Array:

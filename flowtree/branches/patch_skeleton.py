@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from flowtree.branches.order_branches import order_branches
 from flowtree.branches.smooth_branches import smooth_branches
 from flowtree.geometry.find_painted import PaintedPlaces, find_painted
-from flowtree.geometry.parent_array import child_count, levels, parents_first, sum_to_root
+from flowtree.geometry.parent_array import child_count, levels, parents_first, reach_to_tip, sum_to_root
 from flowtree.model.camera import Camera
 from flowtree.model.edit import PaintedEdit
 from flowtree.model.skeleton import Skeleton
@@ -83,16 +83,6 @@ def _own(skeleton: Skeleton) -> NDArray[np.int64]:
     return np.maximum(own, 0)
 
 
-def _reach(skeleton: Skeleton) -> NDArray[np.float64]:
-    """Way (n,) from each node to the farthest tip behind it [m]."""
-    parent = skeleton.parent
-    segment = np.linalg.norm(skeleton.points - skeleton.points[np.maximum(parent, 0)], axis=1)
-    reach = np.zeros(len(parent))
-    for nodes in reversed(levels(parent)[1:]):
-        np.maximum.at(reach, parent[nodes], reach[nodes] + segment[nodes])
-    return reach
-
-
 def _cut(plain: Skeleton, places: PaintedPlaces) -> _Bools:
     """Nodes (n,) of the plain skeleton that go."""
     behind = sum_to_root(plain.parent, (~places.added).astype(np.int64))
@@ -143,7 +133,7 @@ class _Patching:
     def hang_pieces(self) -> None:
         """What was cut off the tree and lies outside gets a way to the foot."""
         roots = np.flatnonzero((self._piece == np.arange(self._first)) & (self._piece > 0))
-        far = _reach(self._plain)[roots] >= _SMALLEST * self._height
+        far = reach_to_tip(self._plain.parent, self._plain.points)[roots] >= _SMALLEST * self._height
         roots = roots[far & ~self._plain.twig[roots]]
         carriers = np.flatnonzero(~self._painted.twig)[1:]
         if not len(roots) or not len(carriers):

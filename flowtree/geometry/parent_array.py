@@ -95,3 +95,12 @@ def main_child(parent: NDArray[np.integer[Any]], weight: NDArray[Any]) -> NDArra
     heaviest = np.full(len(parent), -1, np.int64)
     heaviest[parent[order]] = order
     return heaviest
+
+
+def reach_to_tip(parent: NDArray[np.integer[Any]], points: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
+    """Way (n,) along the branches from each node (n, 3) to the farthest tip behind it, in their unit."""
+    length = np.linalg.norm(points - points[np.maximum(parent, 0)], axis=1)
+    reach = np.zeros(len(parent), np.float64)
+    for nodes in reversed(levels(parent)[1:]):
+        np.maximum.at(reach, parent[nodes], reach[nodes] + length[nodes])
+    return reach

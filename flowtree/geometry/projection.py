@@ -36,12 +36,12 @@ class Sight(Protocol):
 
 
 @dataclass(frozen=True)
-class ParallelSight:
-    """A parallel projection.
+class Viewpoint:
+    """A sight without a picture; unless told otherwise a parallel projection.
 
     Attributes:
         yaw: [degrees].
-        distance: of the eye [m].
+        distance: of the eye from the tree's axis [m]; infinite for a parallel projection.
         eye: its height [m].
     """
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flowtree.geometry.projection import ParallelSight, to_plane
+from flowtree.geometry.projection import Viewpoint, to_plane
 
 _YAWS = (0.0, 45.0, 90.0, 135.0)  # [degrees]
 
@@ -23,6 +23,6 @@ def shadow_area(points: NDArray[np.floating[Any]], cell: float) -> float:
     """
     counts = []
     for yaw in _YAWS:
-        place = np.floor(to_plane(points, ParallelSight(yaw)) / cell).astype(np.int64)
+        place = np.floor(to_plane(points, Viewpoint(yaw)) / cell).astype(np.int64)
         counts.append(len(np.unique(place, axis=0)))
     return float(np.mean(counts)) * cell**2

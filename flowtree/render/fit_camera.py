@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from flowtree import check
-from flowtree.geometry.projection import ParallelSight, to_plane
+from flowtree.geometry.projection import Viewpoint, to_plane
 from flowtree.model.camera import Camera
 from flowtree.model.tree import TreeModel
 from flowtree.render.assemble_scene import assemble_scene, corner_points
@@ -26,7 +26,7 @@ def fit_camera(tree: TreeModel, yaw: float, size: int) -> Camera:
     check.require(
         len(corners) > 0, "tree", "needs a triangle or a leaf", "neither", "mesh the skeleton first"
     )
-    plane = to_plane(corners, ParallelSight(yaw))
+    plane = to_plane(corners, Viewpoint(yaw))
     low, high = plane.min(axis=0), plane.max(axis=0)
     low[1] = min(low[1], 0.0)
     side = max(float((high - low).max()), 1e-3)

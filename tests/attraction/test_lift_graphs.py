@@ -8,7 +8,7 @@ from flowtree.attraction.build_limb_field import build_limb_field
 from flowtree.attraction.lift_graphs import lift_graphs
 from flowtree.errors import InputError
 from flowtree.geometry.polylines import subdivide_polyline
-from flowtree.geometry.projection import ParallelSight, growth, to_plane
+from flowtree.geometry.projection import Viewpoint, growth, to_plane
 from flowtree.model.attractor import AttractorGraph, LimbTree
 from flowtree.model.volume import DensityVolume
 from flowtree.params import FieldParams
@@ -48,8 +48,8 @@ TREE = limbs_of(
 STEEP = [(0.15, 0.2, 0.05), (0.3, -0.2, 0.1), (0.4, 0.1, -0.2), (0.55, -0.1, -0.15)]  # low, side, away
 
 
-FROM_FRONT_AND_SIDE = (ParallelSight(0), ParallelSight(90))
-FROM_NEAR = tuple(ParallelSight(yaw, distance=1.5, eye=0.2) for yaw in (0, 90))
+FROM_FRONT_AND_SIDE = (Viewpoint(0), Viewpoint(90))
+FROM_NEAR = tuple(Viewpoint(yaw, distance=1.5, eye=0.2) for yaw in (0, 90))
 
 
 def graph_of(limbs, sight):
@@ -113,7 +113,7 @@ def test_branches_that_begin_along_the_stem_neither_bend_nor_thin_it():
 @given(seed=st.integers(0, 1000), turn=st.floats(40, 140), views=st.integers(1, 3))
 def test_every_view_finds_its_graph_in_the_limbs(seed, turn, views):
     rng = np.random.default_rng(seed)
-    sights = [ParallelSight(turn * k) for k in range(views)]
+    sights = [Viewpoint(turn * k) for k in range(views)]
     graphs = []
     for _ in sights:
         lines = [[[0, 0, 0], [0, rng.uniform(0.4, 0.9), 0]]]

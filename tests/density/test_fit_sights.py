@@ -6,7 +6,7 @@ import pytest
 from flowtree.density.fit_sights import fit_sights
 from flowtree.density.project_density import project_density
 from flowtree.density.solve_density import solve_density
-from flowtree.geometry.projection import ParallelSight, growth, to_plane
+from flowtree.geometry.projection import Viewpoint, growth, to_plane
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 from flowtree.render.soft_iou import soft_iou
@@ -59,25 +59,25 @@ def overlap(a, b):
 
 def test_eyes_near_the_tree_find_what_parallel_rays_put_elsewhere():
     rng = np.random.default_rng(0)
-    sights = [ParallelSight(yaw, distance=1.6, eye=0.15) for yaw in (0.0, 60.0, 120.0, 180.0)]
+    sights = [Viewpoint(yaw, distance=1.6, eye=0.15) for yaw in (0.0, 60.0, 120.0, 180.0)]
     depths = [seen(sight, rng) for sight in sights]
     near = overlap(fitted(sights, depths), truth())
-    far = overlap(fitted([ParallelSight(sight.yaw) for sight in sights], depths), truth())
+    far = overlap(fitted([Viewpoint(sight.yaw) for sight in sights], depths), truth())
     assert near > 0.5
     assert near > 1.25 * far
 
 
 def test_a_far_eye_sees_as_parallel_rays_do():
     rng = np.random.default_rng(1)
-    depths = [seen(ParallelSight(yaw), rng) for yaw in (0.0, 90.0)]
-    parallel = fitted([ParallelSight(yaw) for yaw in (0.0, 90.0)], depths)
-    far = fitted([ParallelSight(yaw, distance=1e5, eye=0.2) for yaw in (0.0, 90.0)], depths)
+    depths = [seen(Viewpoint(yaw), rng) for yaw in (0.0, 90.0)]
+    parallel = fitted([Viewpoint(yaw) for yaw in (0.0, 90.0)], depths)
+    far = fitted([Viewpoint(yaw, distance=1e5, eye=0.2) for yaw in (0.0, 90.0)], depths)
     assert np.allclose(parallel, far, atol=1e-3 * parallel.max())
 
 
 def test_what_no_view_knows_keeps_to_the_start():
     rng = np.random.default_rng(2)
-    sights = [ParallelSight(yaw, distance=1.6, eye=0.15) for yaw in (0.0, 90.0)]
+    sights = [Viewpoint(yaw, distance=1.6, eye=0.15) for yaw in (0.0, 90.0)]
     nothing = [np.zeros((COLUMNS, TALL), bool)] * 2
     kept = fitted(sights, [seen(sight, rng) for sight in sights], nothing) * CELL
     assert np.array_equal(kept, np.full_like(kept, 0.1))

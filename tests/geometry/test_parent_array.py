@@ -11,6 +11,7 @@ from flowtree.geometry.parent_array import (
     levels,
     main_child,
     parents_first,
+    reach_to_tip,
     sum_before,
     sum_to_root,
 )
@@ -80,3 +81,9 @@ def test_levels_hold_every_node_once_and_parents_one_level_up(parent):
 def test_a_circle_is_an_error(parent):
     with pytest.raises(ValueError, match="circle"):
         depths(np.array(parent))
+
+
+def test_the_way_to_the_farthest_tip():
+    parent = np.array([-1, 0, 1, 1, 0])
+    points = np.array([[0, 0, 0], [0, 1, 0], [0, 2, 0], [0, 1, 3], [0.5, 0, 0]], float)
+    assert reach_to_tip(parent, points).tolist() == [4.0, 3.0, 0.0, 0.0, 0.0]

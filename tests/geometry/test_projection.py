@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flowtree.geometry.projection import (
-    ParallelSight,
+    Viewpoint,
     foreshorten,
     from_plane,
     growth,
@@ -16,7 +16,7 @@ from flowtree.geometry.projection import (
 )
 
 SIGHTS = st.builds(
-    ParallelSight,
+    Viewpoint,
     yaw=st.floats(-360, 360),
     distance=st.one_of(st.just(math.inf), st.floats(15, 100)),
     eye=st.floats(0, 5),
@@ -55,7 +55,7 @@ def test_lines_of_sight_do_not_move_what_is_seen(sight, points):
 
 
 def test_an_eye_sees_along_straight_rays():
-    sight = ParallelSight(30.0, distance=20.0, eye=1.5)
+    sight = Viewpoint(30.0, distance=20.0, eye=1.5)
     right, up, toward = view_axes(30.0)
     eye = 20.0 * toward + 1.5 * up
     point = np.array([2.0, 7.0, -3.0])
@@ -65,5 +65,5 @@ def test_an_eye_sees_along_straight_rays():
 
 
 def test_what_is_nearer_than_a_tenth_of_the_distance_grows_no_more():
-    sight = ParallelSight(0.0, distance=10.0)
+    sight = Viewpoint(0.0, distance=10.0)
     assert growth([[0, 0, 9.5], [0, 0, 12.0]], sight).tolist() == [10.0, 10.0]
