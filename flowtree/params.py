@@ -62,7 +62,7 @@ class AlignParams(StageParams):
         "photos whose roll, distance and hidden ends are estimated; opaque leaves out those with alpha",
     )
     distance: float = _number(
-        2.0,
+        1.8,
         "distance of the camera where no focal length is known; 0 for parallel projection",
         ge=0,
         le=1000,

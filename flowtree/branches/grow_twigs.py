@@ -14,12 +14,13 @@ from flowtree.branches.look_up_density import look_up_density
 from flowtree.branches.shape_twigs import TwigShapes, shape_twigs
 from flowtree.device import side_by_side
 from flowtree.geometry.choose_cover import choose_cover
-from flowtree.geometry.cover_canvas import CELLS, RING, CoverCanvas, lay_canvas
+from flowtree.geometry.cover_canvas import CELLS, RING, CoverCanvas, lay_canvas, lay_guess
 from flowtree.geometry.footprint_means import optical_depth
 from flowtree.geometry.parent_array import main_child
 from flowtree.geometry.place_chance import place_chance
 from flowtree.geometry.plane_grid import narrow_rows
 from flowtree.model.camera import Camera
+from flowtree.model.guessed_view import GuessedView
 from flowtree.model.matte import Matte
 from flowtree.model.skeleton import Skeleton
 from flowtree.model.volume import DensityVolume
@@ -44,6 +45,7 @@ def grow_twigs(
     mattes: Sequence[Matte],
     cameras: Sequence[Camera],
     *,
+    between: Sequence[GuessedView] = (),
     height: float | None = None,
     leafy: bool = True,
     shapes: TwigShapes | None = None,
@@ -68,6 +70,7 @@ def grow_twigs(
         volume: no twig ends where it is empty.
         mattes: one a view.
         cameras: theirs.
+        between: the volume from where no photograph looks: there the twigs come near its alpha.
         height: of the tree [m]; None takes the volume's.
         leafy: whether the tree bears leaves.
         shapes: of the twigs, as `copy_twig` makes them of a drawn one; None for the usual shoots.
@@ -98,7 +101,10 @@ def grow_twigs(
     twigs = twigs.take(look_up_density(twigs.points[:, shapes.shoot[-1]], volume) > 0)
 
     def stand(matte: Matte, camera: Camera) -> CoverCanvas:
-        return _stand(matte, camera, skeleton, height)
+        return _stand(lay_canvas(matte.alpha, matte.unknown, camera, cell=height / CELLS), skeleton)
+
+    def guess(view: GuessedView) -> CoverCanvas:
+        return _stand(lay_guess(view.alpha, view.camera, cell=height / CELLS, weight=view.weight), skeleton)
 
     canvases = side_by_side(stand, mattes, cameras)
     for canvas in canvases:
@@ -118,6 +124,7 @@ def grow_twigs(
     chance = place_chance(twigs.code, seed, twigs.number + _CHANCE)
     density = look_up_density(twigs.points[:, shapes.shoot[-1]], volume)
     likely = np.clip(density / np.quantile(density, _USUAL), _LEAST_LIKELY, 1.0)
+    canvases = [*canvases, *side_by_side(guess, between)]
     chosen = choose_cover(
         canvases, side_by_side(covers, canvases), batch=batch, chance=chance, weight=likely, most=most
     )
@@ -131,9 +138,8 @@ def _worth(canvas: CoverCanvas, points: NDArray[np.float64]) -> NDArray[np.float
     return np.asarray(missing.reshape(points.shape[:2]).mean(axis=1), np.float32)
 
 
-def _stand(matte: Matte, camera: Camera, skeleton: Skeleton, height: float) -> CoverCanvas:
+def _stand(canvas: CoverCanvas, skeleton: Skeleton) -> CoverCanvas:
     """A view's canvas with the branches; rows that show the stem alone want no more than that."""
-    canvas = lay_canvas(matte.alpha, matte.unknown, camera, cell=height / CELLS)
     canvas = canvas.with_tree(skeleton.parent, skeleton.points, skeleton.radius)
     depth = optical_depth(canvas.wanted.astype(np.float64)).ravel()
     stem = narrow_rows(canvas.grid, depth, _STEM * float(skeleton.radius[0])).reshape(canvas.wanted.shape)

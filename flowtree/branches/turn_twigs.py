@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from flowtree.branches.draw_poses import draw_poses
 from flowtree.device import side_by_side
 from flowtree.geometry.choose_cover import choose_poses
-from flowtree.geometry.cover_canvas import CELLS, CoverCanvas, lay_canvas, rod_radii
+from flowtree.geometry.cover_canvas import CELLS, CoverCanvas, lay_canvas, lay_guess, rod_radii
 from flowtree.geometry.find_painted import find_directed
 from flowtree.geometry.footprint_means import optical_depth
 from flowtree.geometry.parent_array import levels
@@ -20,6 +20,7 @@ from flowtree.geometry.place_chance import place_chance
 from flowtree.geometry.place_code import place_code
 from flowtree.model.camera import Camera
 from flowtree.model.edit import PaintedEdit
+from flowtree.model.guessed_view import GuessedView
 from flowtree.model.matte import Matte
 from flowtree.model.skeleton import Skeleton
 from flowtree.model.volume import DensityVolume
@@ -46,6 +47,7 @@ def turn_twigs(
     cameras: Sequence[Camera],
     *,
     height: float,
+    between: Sequence[GuessedView] = (),
     leafy: bool = False,
     edits: Sequence[PaintedEdit] = (),
     params: TwigParams = TwigParams(),
@@ -71,6 +73,7 @@ def turn_twigs(
         mattes: one a view.
         cameras: theirs.
         height: of the tree [m].
+        between: the volume from where no photograph looks: there the wood comes near its alpha.
         leafy: whether the tree bears leaves.
         edits: one a view, or none: branches to which a person gave a direction are not turned.
         params: how far a spray may turn; number and size of the twigs.
@@ -89,6 +92,7 @@ def turn_twigs(
             volume,
             mattes,
             cameras,
+            between,
             height,
             thinnest=thinnest,
             spread=params.turn,
@@ -147,6 +151,7 @@ def _turn_sprays(
     volume: DensityVolume,
     mattes: Sequence[Matte],
     cameras: Sequence[Camera],
+    between: Sequence[GuessedView],
     height: float,
     *,
     thinnest: float,
@@ -176,12 +181,13 @@ def _turn_sprays(
     still[sprays.node] = False
     rest = np.where(still, parent, -1)
 
-    def stand(matte: Matte, camera: Camera) -> tuple[CoverCanvas, sparse.csr_array]:
-        canvas = _lay(matte, camera, height)
+    def stand(canvas: CoverCanvas) -> tuple[CoverCanvas, sparse.csr_array]:
         covers = canvas.rod_covers(start, end, wide, row, count * _POSES)
         return canvas.with_tree(rest, skeleton.points, skeleton.radius), covers
 
-    canvases, covers = zip(*side_by_side(stand, mattes, cameras), strict=True)
+    laid = [_lay(matte, camera, height) for matte, camera in zip(mattes, cameras, strict=True)]
+    laid += [lay_guess(view.alpha, view.camera, cell=height / CELLS, weight=view.weight) for view in between]
+    canvases, covers = zip(*side_by_side(stand, laid), strict=True)
     batch = (_BATCHES * place_chance(code, seed, 0)).astype(np.int64)
     chosen = choose_poses(canvases, covers, poses=_POSES, batch=batch, contented=_CONTENTED)
     pose = np.arange(count), np.maximum(chosen, 0)

@@ -7,7 +7,7 @@ import numpy as np
 from flowtree.model.volume import DensityVolume
 
 _MOST = 5000  # particles at most, unless asked for more; the paper has 500 to 2000
-_FEWEST = 1200
+_FEWEST = 3000
 _PER_DEPTH = 12000.0  # particles for a crown whose optical depth, over all of a view, is the height squared
 
 

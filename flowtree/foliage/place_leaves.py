@@ -17,13 +17,14 @@ from flowtree.foliage.make_leaf import leaf_coverage
 from flowtree.foliage.pick_leaf import pick_leaf
 from flowtree.foliage.spread_colors import spread_colors
 from flowtree.geometry.choose_cover import choose_cover
-from flowtree.geometry.cover_canvas import CELLS, FINE, CoverCanvas, lay_canvas
+from flowtree.geometry.cover_canvas import CELLS, FINE, CoverCanvas, lay_canvas, lay_guess
 from flowtree.geometry.footprint_means import optical_depth
 from flowtree.geometry.place_chance import place_chance
 from flowtree.geometry.plane_grid import narrow_rows
 from flowtree.geometry.projection import view_axes
 from flowtree.model.camera import Camera
 from flowtree.model.foliage import Foliage
+from flowtree.model.guessed_view import GuessedView
 from flowtree.model.matte import Matte
 from flowtree.model.mesh import Material, TreeMesh
 from flowtree.model.skeleton import Skeleton
@@ -48,6 +49,7 @@ def place_leaves(
     mattes: Sequence[Matte],
     cameras: Sequence[Camera],
     *,
+    between: Sequence[GuessedView] = (),
     height: float | None = None,
     leaf: tuple[TreeMesh, Material] | None = None,
     colors: Sequence[NDArray[np.float32]] | None = None,
@@ -69,6 +71,7 @@ def place_leaves(
         volume: the densities.
         mattes: one a view.
         cameras: theirs.
+        between: the volume from where no photograph looks: there the leaves come near its alpha.
         height: of the tree [m]; None takes the volume's.
         leaf: what `pick_leaf` gives for the same mattes, where it was asked before.
         colors: what `spread_colors` gives for each matte, where it was asked before.
@@ -86,6 +89,9 @@ def place_leaves(
 
     def stand(matte: Matte, camera: Camera) -> CoverCanvas:
         return _stand(matte, camera, skeleton, height, params)
+
+    def guess(view: GuessedView) -> CoverCanvas:
+        return _stand_between(view, skeleton, height, params)
 
     canvases = side_by_side(stand, mattes, cameras)
     area = float(np.mean([_missing_area(canvas) for canvas in canvases])) / _FACING
@@ -110,6 +116,7 @@ def place_leaves(
     def covers(canvas: CoverCanvas) -> sparse.csr_array:
         return _covers(canvas, places, coverage, width)
 
+    canvases = [*canvases, *side_by_side(guess, between)]
     chosen = choose_cover(
         canvases,
         side_by_side(covers, canvases),
@@ -144,12 +151,23 @@ def _stand(
     cell = height / CELLS
     limbs = visible_limbs(matte, camera)
     canvas = lay_canvas(matte.alpha * (1.0 - limbs), matte.unknown, camera, cell=cell)
-    depth = optical_depth(canvas.wanted.astype(np.float64))
-    stem = narrow_rows(canvas.grid, depth.ravel(), _STEM * float(skeleton.radius[0])).reshape(depth.shape)
-    leafy = np.where(stem, 0.0, -np.expm1(-params.amount * depth)).astype(np.float32)
     bark = lay_canvas(matte.alpha * limbs, None, camera, cell=cell).wanted
     stood = canvas.with_tree(skeleton.parent, skeleton.points, skeleton.radius)
-    return replace(stood, wanted=leafy + np.minimum(bark, stood.shown()))
+    return replace(stood, wanted=_leafy(canvas, skeleton, params) + np.minimum(bark, stood.shown()))
+
+
+def _stand_between(view: GuessedView, skeleton: Skeleton, height: float, params: LeafParams) -> CoverCanvas:
+    """The same where only the volume says what is wanted."""
+    canvas = lay_guess(view.alpha, view.camera, cell=height / CELLS, weight=view.weight)
+    stood = canvas.with_tree(skeleton.parent, skeleton.points, skeleton.radius)
+    return replace(stood, wanted=_leafy(canvas, skeleton, params))
+
+
+def _leafy(canvas: CoverCanvas, skeleton: Skeleton, params: LeafParams) -> NDArray[np.float32]:
+    """Alpha that leaves should show in each cell: none where the stem alone is seen."""
+    depth = optical_depth(canvas.wanted.astype(np.float64))
+    stem = narrow_rows(canvas.grid, depth.ravel(), _STEM * float(skeleton.radius[0])).reshape(depth.shape)
+    return np.where(stem, 0.0, -np.expm1(-params.amount * depth)).astype(np.float32)
 
 
 def _missing_area(canvas: CoverCanvas) -> float:

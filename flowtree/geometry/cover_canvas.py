@@ -239,3 +239,9 @@ def lay_canvas(
         known -= _GUESSED * np.clip(means(unknown.astype(np.float32)), 0.0, 1.0)
     pixels = grid.columns * grid.rows * FINE * FINE
     return CoverCanvas(grid, means(alpha), known, np.zeros(pixels + 1, np.float32))
+
+
+def lay_guess(alpha: NDArray[np.float32], view: View, *, cell: float, weight: float) -> CoverCanvas:
+    """The same where no matte is but a guess, whose cells count ``weight`` instead of 1."""
+    canvas = lay_canvas(alpha, None, view, cell=cell)
+    return replace(canvas, known=np.float32(weight) * canvas.known)

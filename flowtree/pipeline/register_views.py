@@ -19,12 +19,12 @@ from flowtree.photos.look_at_plane import look_at_plane, shrink_matte
 _ROWS = 48  # voxels along the height
 _ABOVE = 1.2  # tree heights that pictures show: near boughs stand above the top
 _LEAST = 0.01  # optical depth of what may be the tree
-_BLOCKS = 30.0  # places of a crown, clumps and whorls, that differ independently
+_BLOCKS = 12.0  # places of a crown, clumps and whorls, that differ independently
 _ROUNDS = 2
 #: What is corrected: the first step, and how far off it usually is, where nobody knows better: one standard
 #: deviation. Foot and top in tree heights, angles in degrees.
-_USUAL = {"foot": (0.015, 0.02), "top": (0.03, 0.04), "roll": (1.0, 2.0), "yaw": (5.0, 8.0)}
-_NEED_THREE = ("yaw",)  # two views at a right angle fit each other whatever the angle is
+_USUAL = {"foot": (0.008, 0.01), "top": (0.03, 0.04), "roll": (1.0, 2.0), "yaw": (5.0, 8.0)}
+_NEED_THREE = ("roll", "yaw")  # two views at a right angle fit each other whatever the angle is
 
 _Turns = dict[tuple[int, str], float]
 
@@ -32,15 +32,18 @@ _Turns = dict[tuple[int, str], float]
 def register_views(
     mattes: Sequence[Matte], placements: Sequence[Placement], *, height: float, device: str | None = None
 ) -> tuple[Placement, ...]:
-    """Moves foot, top and roll of each view, and with three views or more its yaw, to where all views agree.
+    """Moves foot and top of each view, and with three views or more roll and yaw, to where all views agree.
 
     Photographs of one tree can all be shown by one density, and those that are placed wrongly cannot: what
     `fit_sights` leaves of their optical depths says how far they are from that. With four known trees and
     their exact mattes it grew by 4 to 49 % where one view was scaled by 3 %, by 14 to 110 % for 6 %, and by
-    0 to 40 % for a roll of 2 degrees. The likeliest placement has the least of ``30 ln(what is left)`` plus
+    0 to 40 % for a roll of 2 degrees. The likeliest placement has the least of ``12 ln(what is left)`` plus
     half the squares of all corrections over their usual sizes; each correction in turn goes to the lowest
     point of the parabola through three trials. Nothing tells how large the tree is in all views together, so
-    what is common to them stays nearly as it is.
+    what is common to them stays nearly as it is; and two views hardly tell how they are rolled or turned.
+    From two loose photographs each of four known trees, with distances of 1.7 to 2 heights assumed, the
+    volume had a mean soft IoU of 0.608 unregistered, 0.610 registered, 0.609 where 12 is 30, and 0.607 where
+    the rolls are corrected, too.
 
     Args:
         mattes: of the photographs.

@@ -28,6 +28,7 @@ from flowtree.branches.measure_trunk import measure_trunk
 from flowtree.branches.patch_skeleton import Patch, patch_skeleton
 from flowtree.branches.shape_twigs import TwigShapes
 from flowtree.branches.turn_twigs import turn_twigs
+from flowtree.density.look_between import look_between
 from flowtree.density.solve_density import solve_density
 from flowtree.flow.trace_particles import trace_particles
 from flowtree.foliage.patch_leaves import patch_leaves
@@ -50,6 +51,7 @@ from flowtree.model.camera import Camera
 from flowtree.model.edit import PaintedEdit
 from flowtree.model.field import DirectionField, LimbField
 from flowtree.model.foliage import Foliage
+from flowtree.model.guessed_view import GuessedView
 from flowtree.model.marks import ViewMarks
 from flowtree.model.matte import Matte
 from flowtree.model.mesh import Material, TreeMesh
@@ -142,6 +144,14 @@ def run_density(
     check_same_tree([photo.name for photo in photos], mattes, cameras, height=heights[0])
     params = job.params.density
     return solve_density(mattes, cameras, habits=bare, height=heights[0], params=params, device=job.device)
+
+
+def run_between(
+    job: Job, volume: DensityVolume, cameras: tuple[Camera, ...], placements: tuple[Placement, ...]
+) -> tuple[GuessedView, ...]:
+    """How the volume looks from between the photographs."""
+    del job
+    return look_between(volume, cameras, loose=any(placement.open for placement in placements))
 
 
 def run_attraction(
@@ -262,6 +272,7 @@ def run_twigs(
     volume: DensityVolume,
     mattes: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
+    between: tuple[GuessedView, ...],
     edits: tuple[PaintedEdit, ...],
     leafy: bool,
     sketched: TwigShapes | None,
@@ -274,6 +285,7 @@ def run_twigs(
         volume,
         mattes,
         cameras,
+        between=between,
         height=height,
         leafy=leafy,
         edits=edits,
@@ -285,6 +297,7 @@ def run_twigs(
         volume,
         mattes,
         cameras,
+        between=between,
         height=height,
         leafy=leafy,
         shapes=sketched,
@@ -397,6 +410,7 @@ def run_foliage(
     volume: DensityVolume,
     mattes: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
+    between: tuple[GuessedView, ...],
     leaf: tuple[TreeMesh, Material] | None,
     colors: tuple[NDArray[np.float32], ...],
     heights: tuple[float, ...],
@@ -409,6 +423,7 @@ def run_foliage(
         volume,
         mattes,
         cameras,
+        between=between,
         height=heights[0],
         leaf=leaf,
         colors=colors,

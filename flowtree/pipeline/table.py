@@ -153,6 +153,13 @@ STAGES: tuple[Stage, ...] = (
         share=0.1,
     ),
     Stage(
+        name="between",
+        run=_late("run_between"),
+        inputs=("volume", "cameras", "placements"),
+        outputs=("between",),
+        share=0.02,
+    ),
+    Stage(
         name="leafiness",
         run=_late("run_leafiness"),
         inputs=("bare_mattes", "cameras"),
@@ -250,7 +257,17 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="twigs",
         run=_late("run_twigs"),
-        inputs=("branches", "volume", "mattes", "cameras", "edits", "leafy", "sketched_twig", "height"),
+        inputs=(
+            "branches",
+            "volume",
+            "mattes",
+            "cameras",
+            "between",
+            "edits",
+            "leafy",
+            "sketched_twig",
+            "height",
+        ),
         outputs=("painted_skeleton",),
         params=("twigs",),
         seeded=True,
@@ -295,7 +312,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="foliage",
         run=_late("run_foliage"),
-        inputs=("painted_skeleton", "volume", "mattes", "cameras", "leaf", "colors", "height"),
+        inputs=("painted_skeleton", "volume", "mattes", "cameras", "between", "leaf", "colors", "height"),
         outputs=("painted_foliage",),
         params=("leaves",),
         seeded=True,

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from flowtree.branches.grow_twigs import grow_twigs
+from flowtree.density.look_between import look_between
 from flowtree.foliage.place_leaves import place_leaves
 from flowtree.geometry.polylines import nearest_on_segments
 from flowtree.geometry.projection import project
@@ -17,6 +18,7 @@ from flowtree.model.tree import TreeModel
 from flowtree.model.volume import DensityVolume
 from flowtree.params import LeafParams, MeshingParams
 from flowtree.render.render_mask import render_mask
+from flowtree.render.soft_iou import soft_iou
 from tests.crowns import CENTRE, HEIGHT, RADIUS, ball_crown, ball_volume, lone_branch, plane_of
 
 BRANCHES = ball_crown(branches=100)
@@ -267,3 +269,21 @@ def test_odd_inputs_break_nothing():
     one_pixel = Matte(np.ones((1, 1), np.float32), np.zeros((1, 1, 3), np.uint8), "trimap")
     camera = replace(CROWN.cameras[0], width=1, height=1, foot=(0.5, 1.0), metres_per_pixel=HEIGHT)
     check_leaves(place_leaves(CROWN.skeleton, CROWN.volume, [one_pixel], [camera]), CROWN.skeleton, 24_000)
+
+
+def test_leaves_come_near_the_volume_between_the_photographs():
+    between = look_between(CROWN.volume, CROWN.cameras, loose=True)
+    assert between
+
+    def wrong(foliage):
+        tree = TreeModel(
+            "tree", HEIGHT, CROWN.skeleton, WOOD, Material("bark", np.full((2, 2, 3), 90, np.uint8)), foliage
+        )
+        return sum(
+            1.0
+            - soft_iou(render_mask(tree, view.camera), view.camera, view.alpha, view.camera, height=HEIGHT)
+            for view in between
+        )
+
+    without, led = (place_leaves(*CROWN.inputs, between=views) for views in ((), between))
+    assert wrong(led) < 0.9 * wrong(without)
