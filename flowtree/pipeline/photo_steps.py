@@ -134,6 +134,13 @@ def run_painting(
     return mirror_photo(photo), matte, flipped
 
 
+def run_leaving_bare(
+    job: Job, photo: Photo, matte: Matte, paint: Path | PaintedEdit | None, mirrored: bool
+) -> tuple[Photo, Matte, PaintedEdit]:
+    """The same where nothing is painted; but paint that makes the matte is no edit."""
+    return run_painting(job, photo, matte, None if matte.alpha.any() else paint, mirrored)
+
+
 def _flip(picture: Any) -> Any:
     return None if picture is None else np.ascontiguousarray(picture[:, ::-1])
 

@@ -3,9 +3,9 @@
 Sources, one entry a view: ``photo_source`` (a file or a `Photo`), ``matte_source``, ``trimap_source``,
 ``scribbles_source``, ``strokes_source``, ``marks_source``, ``paint_source`` (a file, what reading it gives,
 or None), ``mirrored`` (whether the view is its photo's mirror image), ``yaw`` [degrees], ``height`` [m].
-One for all: ``bark_source`` and ``leaf_source`` (a picture or None), ``twig_source`` (a drawing or None),
-``plain`` (a `PlainTree`: what was made without painted edits; None where nothing is painted) and
-``plain_skeleton`` (its skeleton).
+One for all: ``bark_source`` and ``leaf_source`` (a picture or None), ``twig_source`` (a drawing or None).
+``plain_skeleton`` and ``plain_foliage``, of the tree that nobody painted on, are None; where somebody paints
+they are no sources (see `stand_beside_plain`).
 """
 
 from __future__ import annotations
@@ -48,6 +48,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("raw_photo", "strokes_source", "mirrored"),
         outputs=("raw_strokes",),
         each_view=True,
+        by_content=True,
         share=0.01,
     ),
     Stage(
@@ -56,6 +57,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("raw_photo", "marks_source", "mirrored"),
         outputs=("raw_marks",),
         each_view=True,
+        by_content=True,
         share=0.01,
     ),
     Stage(
@@ -82,6 +84,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("raw_photo", "raw_cut"),
         outputs=("raw_matte",),
         each_view=True,
+        by_content=True,
         share=0.4,
     ),
     Stage(
@@ -91,6 +94,7 @@ STAGES: tuple[Stage, ...] = (
         outputs=("turned_photo", "turned_matte", "raw_edit"),
         params=("photos",),
         each_view=True,
+        by_content=True,
         share=0.02,
     ),
     Stage(
@@ -117,6 +121,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("turned_photo", "turned_matte", "raw_edit", "placements"),
         outputs=("photos", "straight_mattes", "edits", "cameras"),
         each_view=True,
+        by_content=True,
         share=0.05,
     ),
     Stage(
@@ -125,6 +130,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("raw_strokes", "raw_marks", "placements"),
         outputs=("strokes", "marks"),
         each_view=True,
+        by_content=True,
         share=0.01,
     ),
     Stage(
@@ -158,6 +164,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("bare_mattes", "cameras"),
         outputs=("leafy",),
         params=("leaves",),
+        by_content=True,
         share=0.02,
     ),
     Stage(
@@ -166,6 +173,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("bare_mattes", "cameras", "leafy"),
         outputs=("habit",),
         params=("attraction",),
+        by_content=True,
         share=0.02,
     ),
     Stage(
@@ -287,7 +295,7 @@ STAGES: tuple[Stage, ...] = (
             "placements",
             "mirrored",
         ),
-        outputs=("painted_bark",),
+        outputs=("bark",),
         params=("meshing", "photos"),
         seeded=True,
         share=0.2,
@@ -305,8 +313,8 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="leaf_patching",
         run=_late("run_leaf_patching"),
-        inputs=("painted_foliage", "painted_bark", "plain", "patch", "cameras", "edits"),
-        outputs=("foliage", "bark"),
+        inputs=("painted_foliage", "plain_foliage", "patch", "cameras", "edits"),
+        outputs=("foliage",),
         share=0.01,
     ),
     Stage(
