@@ -1,6 +1,7 @@
 /** Photos in space: each stands behind the tree, as seen from its camera, or lies over the tree in that camera's view. */
 
 import { THREE } from "nicegui-scene";
+import { arrangedAnew } from "flowtree-studio/arranging.mjs";
 
 /** The middle of a view's picture, its size and its directions, in metres. */
 export function frameOf(view) {
@@ -48,6 +49,8 @@ export function aimEye(camera, { view, frame }, aspect, zoom, radius) {
   return { place: [x * distance, height, z * distance], target: [0, height, 0] };
 }
 
+const AS_SEEN = { scale: 1, aside: 0, up: 0, turn: 0 };
+
 export class PhotoPlanes {
   constructor() {
     this.group = new THREE.Group();
@@ -63,12 +66,19 @@ export class PhotoPlanes {
       const frame = frameOf(view);
       const material = new THREE.MeshBasicMaterial({ side: THREE.DoubleSide, transparent: true, toneMapped: false });
       const mesh = new THREE.Mesh(new THREE.PlaneGeometry(frame.width, frame.height), material);
-      mesh.rotation.y = frame.angle;
       mesh.visible = false;
       this.group.add(mesh);
-      return { view, frame, mesh };
+      return { view, frame, mesh, anew: AS_SEEN };
     });
     this.planes.forEach((_, index) => this.#hang(index));
+  }
+
+  /** Has the planes stand as their photos are being arranged (`arranging.mjs`). */
+  arrange(photos) {
+    for (const plane of this.planes) {
+      const photo = photos[plane.view.photo];
+      plane.anew = photo ? arrangedAnew(plane.view, photo) : AS_SEEN;
+    }
   }
 
   setPicture(index, texture) {
@@ -91,14 +101,18 @@ export class PhotoPlanes {
    * @param {number} blend its opacity
    */
   show(standing, over, blend) {
-    this.planes.forEach(({ view, frame, mesh }, i) => {
+    this.planes.forEach(({ view, frame, mesh, anew }, i) => {
       const front = i === over;
       const away = front ? 0 : -this.radius; // what lies over the tree is drawn last, whatever is before it
+      const angle = frame.angle + anew.turn;
+      const aside = (frame.middle[0] * frame.right[0] + frame.middle[2] * frame.right[2]) * anew.scale + anew.aside;
       mesh.position.set(
-        frame.middle[0] + frame.toward[0] * away,
-        frame.middle[1],
-        frame.middle[2] + frame.toward[2] * away,
+        Math.cos(angle) * aside + Math.sin(angle) * away,
+        frame.middle[1] * anew.scale + anew.up,
+        -Math.sin(angle) * aside + Math.cos(angle) * away,
       );
+      mesh.rotation.y = angle;
+      mesh.scale.setScalar(anew.scale);
       mesh.material.opacity = front ? blend : 1;
       mesh.material.depthTest = !front;
       mesh.material.depthWrite = !front;
