@@ -16,7 +16,7 @@ from flowtree.studio.worker import Worker
 _CUTS = 40  # photos, and their mattes after some scribbles
 _RESULTS = 300  # six variants of a tree, and some steps of undoing
 Tell = Callable[[dict[str, Any]], None]
-_CRASHED = "a process of the studio ended unexpectedly; the project is safe: go on, or run it again"
+_CRASHED = "A process of the studio ended unexpectedly. The project is safe: go on, or grow the tree again."
 
 
 class Engine:
@@ -39,6 +39,7 @@ class Engine:
         self._state, self._revision = DocumentState(), 0
         self._cut: Any = None  # what the mattes hang on, of those that are there
         self._kept: list[bytes] = []  # results that the grower was not given yet
+        self._seeds: list[int] = []  # of variants that are to come
         self.problem: str | None = None
 
     @property
@@ -74,7 +75,7 @@ class Engine:
             if not self._state.photos:
                 return
             if _hangs_on(self._state) == self._cut:
-                self._submit("tree", self._grower)
+                self._grow()
             else:
                 self._submit("matte", self._cutter)
 
@@ -82,12 +83,14 @@ class Engine:
         """Ends all that runs, within half a second."""
         with self._lock:
             last = self._next - 1
+            self._seeds = []
         self._cutter.stop(last, kill=True)
         self._grower.stop(last, kill=True)
 
     def variants(self, seeds: Sequence[int]) -> None:
-        """Pictures of other seeds' trees, one after the other, behind what runs."""
+        """Pictures of other seeds' trees, one after the other, behind what runs; an edit does not end them."""
         with self._lock:
+            self._seeds = list(seeds)
             self._submit("variants", self._grower, {"seeds": tuple(seeds)})
 
     def export(self, order: Order) -> None:
@@ -105,6 +108,12 @@ class Engine:
         self._jobs = {number: job for number, job in self._jobs.items() if job.kind == "export"}
         self._cutter.stop(self._next - 1)
         self._grower.stop(self._next - 1)
+
+    def _grow(self) -> None:
+        """The tree, then the variants that somebody still waits for."""
+        self._submit("tree", self._grower)
+        if self._seeds:
+            self._submit("variants", self._grower, {"seeds": tuple(self._seeds)})
 
     def _submit(self, kind: Kind, worker: Worker, options: Mapping[str, Any] | None = None) -> int:
         kept: tuple[bytes, ...] = ()
@@ -126,6 +135,9 @@ class Engine:
         """What a message changes, and what is told of it."""
         with self._lock:
             if message.kind == "layer":  # also of a job that was dropped: it is newer than what is there
+                kind, _, seed = message.content.name.partition("/")
+                if kind == "variant" and int(seed) in self._seeds:
+                    self._seeds.remove(int(seed))
                 return self.shelf.put(message.content)
             if message.kind == "kept":
                 self._kept.append(message.content)
@@ -143,11 +155,12 @@ class Engine:
             if message.kind == "done":
                 if job.kind == "matte":
                     self._cut = _hangs_on(job.state)
-                    self._submit("tree", self._grower)
+                    self._grow()
                 return [{"event": "done", **about, "seconds": message.content}]
             if message.kind == "cancelled":
                 return [{"event": "cancelled", **about}]
             self.problem = _CRASHED if message.kind == "crashed" else str(message.content)
+            self._seeds = []
             return [{"event": "failed", **about, "message": self.problem}]
 
 

@@ -458,12 +458,12 @@ def test_a_hand_beside_the_pen_does_not_draw(page):
         """() => {
             const {ink} = board.canvas;
             ink.setPointerCapture = () => {};
-            const send = (type, about) => ink.dispatchEvent(new PointerEvent(type, {
-                bubbles: true, clientX: 100 + 9 * (about.step ?? 0), clientY: 100, button: 0, pressure: 0.5, ...about}));
+            const send = (type, {step = 0, ...about}) => ink.dispatchEvent(new PointerEvent(type, {
+                bubbles: true, clientX: 100 + 9 * step, clientY: 100, button: 0, pressure: 0.5, ...about}));
             board.setTool({mode: "density", name: "add", size: 5});
             send("pointerdown", {pointerId: 7, pointerType: "touch"});
             send("pointerdown", {pointerId: 8, pointerType: "pen", button: 5});
-            for (let step = 1; step < 6; step += 1) send("pointermove", {pointerId: 8, pointerType: "pen", step});
+            for (const step of [1, 2, 3, 4]) send("pointermove", {pointerId: 8, pointerType: "pen", step});
             send("pointermove", {pointerId: 7, pointerType: "touch", step: 9});
             send("pointerup", {pointerId: 8, pointerType: "pen", step: 6});
             send("pointerup", {pointerId: 7, pointerType: "touch"});
@@ -497,7 +497,8 @@ def test_everything_follows_a_photo_that_is_arranged(page):
             const told = [];
             const stop = studio.onArranged((photos) => told.push(photos));
             board.setTool({mode: "arrange", name: "move"});
-            board.setState({photos: [{...board.state.photos[0], marks: {foot: [150, 280], top: 20, seeds: []}}]});
+            const marks = {foot: [150, 280], top: 20, seeds: []};
+            board.setState({photos: [{...board.state.photos[0], marks}]});
             const drag = board.begin([board.arrange.axes[0], board.arrange.lines.top + 30]);
             for (const step of [1, 2, 3]) {
                 drag.move([[board.arrange.axes[0] - 13 * step, board.arrange.lines.top + 30]]);

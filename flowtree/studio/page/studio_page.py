@@ -13,6 +13,7 @@ from nicegui import Client, ui
 from flowtree.studio.page.board_tools import BoardTools
 from flowtree.studio.page.components import STATIC, PhotoBoard, TreeViewer
 from flowtree.studio.page.export_dialog import ExportDialog
+from flowtree.studio.page.growing_card import GrowingCard
 from flowtree.studio.page.help_overlay import HelpOverlay
 from flowtree.studio.page.photo_strip import PhotoStrip
 from flowtree.studio.page.shape_panel import ShapePanel
@@ -64,10 +65,12 @@ class StudioPage:
                 with frame:
                     self.views.build_icons()
                     self.views.build_cameras()
+                    growing = GrowingCard(bench)
             self.shape = ShapePanel(bench)
-            self.status = StatusLine(bench)
+            self.status = StatusLine(bench, growing)
             StartScreen(bench)
         self.viewer.on("shown", lambda event: self.status.size(event.args["height"], event.args["width"]))
+        self.viewer.on("shown", growing.grown)
         self.board.on("command", lambda event: bench.send(event.args["command"], event.args["number"]))
         self.board.on("activate", lambda event: bench.choose(photo=int(event.args)))
         self.board.on("pick", lambda event: self._pick(**event.args))
@@ -140,10 +143,12 @@ class StudioPage:
 
     def _on_cancelled(self, event: dict[str, Any]) -> None:
         self.status.stopped("Stopped")
+        self.shape.variants.give_up()
         self.export.failed()
 
     def _on_failed(self, event: dict[str, Any]) -> None:
-        self.status.failed("This did not work")
+        self.status.failed("This did not work", event["message"])
+        self.shape.variants.give_up()
         self.export.failed()
         self.tell(event["message"])
 

@@ -19,6 +19,7 @@ export class ViewerCameras {
     this.eye = new THREE.PerspectiveCamera(); // of the photo that is looked through
     this.now = this.perspective;
     this.view = null; // index of that photo's view
+    this.framed = true; // whether nobody has moved since all of the tree was shown
     this.zoom = 1; // of what its camera sees
     this.size = { height: 10, radius: 4 }; // of the tree [m]
     this.controls = new OrbitControls(this.now, canvas);
@@ -30,6 +31,9 @@ export class ViewerCameras {
         onLeave();
       }
       onMove();
+    });
+    this.controls.addEventListener("start", () => {
+      this.framed = false;
     });
     this.#watchWheel(canvas);
   }
@@ -48,6 +52,7 @@ export class ViewerCameras {
     this.now.far = away * 20;
     this.now.updateProjectionMatrix();
     this.controls.update();
+    this.framed = true;
     this.onMove();
   }
 
@@ -70,6 +75,7 @@ export class ViewerCameras {
     this.perspective.aspect = this.aspect;
     this.perspective.updateProjectionMatrix();
     if (this.view !== null) this.#lookThrough();
+    else if (this.framed) this.frame();
   }
 
   /** Sees the tree as the photo's camera did, in a frame of another shape. */
@@ -97,6 +103,7 @@ export class ViewerCameras {
     const away = this.now.position.distanceTo(this.controls.target);
     this.now.position.copy(this.controls.target).addScaledVector(looks, away);
     this.controls.update();
+    this.framed = false;
   }
 
   #use(camera) {
