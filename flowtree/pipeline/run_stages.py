@@ -168,7 +168,7 @@ class _Table:
         return turn
 
     def finish(self, turn: _Turn, made: tuple[Any, ...] | Exception) -> list[Stage]:
-        """Notes what a turn made or how it failed, lists what can begin now, returns the stages that ended."""
+        """Notes what a turn made or how it failed, and lists what can begin now; returns what has ended."""
         if isinstance(made, Exception):
             if turn.order < self._end:
                 self.fault, self._end = made, turn.order

@@ -61,9 +61,18 @@ STAGES: tuple[Stage, ...] = (
         share=0.01,
     ),
     Stage(
+        name="picks",
+        run=photo_steps.run_picks,
+        inputs=("scribbles_source",),
+        outputs=("picks",),
+        each_view=True,
+        by_content=True,
+        share=0.01,
+    ),
+    Stage(
         name="preparing",  # apart from matting: no scribble changes it
         run=photo_steps.run_preparing,
-        inputs=("raw_photo", "trimap_source"),
+        inputs=("raw_photo", "trimap_source", "picks"),
         outputs=("prepared_photo",),
         params=("matting",),
         each_view=True,
@@ -72,7 +81,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="matting",
         run=photo_steps.run_matting,
-        inputs=("raw_photo", "prepared_photo", "trimap_source", "scribbles_source"),
+        inputs=("raw_photo", "prepared_photo", "trimap_source", "scribbles_source", "picks"),
         outputs=("raw_cut",),
         params=("photos", "matting"),
         each_view=True,

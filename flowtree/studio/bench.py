@@ -30,7 +30,7 @@ from flowtree.studio.layers.layer import Layer, json_layer
 from flowtree.studio.layers.photo_layers import matte_layer, photo_layer
 from flowtree.studio.recording_cache import RecordingCache
 
-_MATTING = tuple(stage for stage in STAGES if stage.name in ("photos", "preparing", "matting"))
+_MATTING = tuple(stage for stage in STAGES if stage.name in ("photos", "picks", "preparing", "matting"))
 
 
 class Bench:

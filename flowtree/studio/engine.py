@@ -88,7 +88,7 @@ class Engine:
         self._grower.stop(last, kill=True)
 
     def variants(self, seeds: Sequence[int]) -> None:
-        """Pictures of other seeds' trees, one after the other, behind what runs; an edit does not end them."""
+        """Pictures of other seeds' trees, one by one, behind what runs; an edit does not end them."""
         with self._lock:
             self._seeds = list(seeds)
             self._submit("variants", self._grower, {"seeds": tuple(seeds)})
@@ -166,5 +166,8 @@ class Engine:
 
 def _hangs_on(state: DocumentState) -> Any:
     """What the mattes hang on; without scribbles and parameters of other stages nothing of them changes."""
-    drawn = tuple((photo.place, photo.scribbles, photo.attached) for photo in state.photos)
+    drawn = tuple(
+        (photo.place, photo.scribbles, photo.tree_colors, photo.background_colors, photo.attached)
+        for photo in state.photos
+    )
     return drawn, state.params.photos, state.params.matting

@@ -113,12 +113,16 @@ def test_a_scribble_changes_the_matte_and_is_undone(studio):
 def test_colors_are_picked(studio):
     studio.choose("pick-background")
     studio.draw((0.2, 0.2))
-    state = studio.until(lambda state: state["params"]["matting"]["background_colors"], "no colour")
-    (color,) = state["params"]["matting"]["background_colors"]
+    state = studio.until(lambda state: state["photos"][0]["background_colors"], "no colour")
+    (color,) = state["photos"][0]["background_colors"]
     red, _, blue = (int(color[k : k + 2], 16) for k in (1, 3, 5))
     assert blue > red + 40, "the sky is blue"
-    studio.press("Control+z")
-    studio.until(lambda state: not state["params"]["matting"]["background_colors"], "not undone")
+    assert not state["photos"][1]["background_colors"], "it is this photo's alone"
+    studio.page.locator(".swatch").click()
+    studio.until(lambda state: not state["photos"][0]["background_colors"], "not taken away")
+    for _ in range(2):
+        studio.press("Control+z")
+    studio.until(lambda state: state["redo"] == "Pick colours on photo 1", "not undone")
 
 
 def test_a_branch_is_drawn_and_snaps(studio):

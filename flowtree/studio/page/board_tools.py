@@ -8,6 +8,7 @@ from nicegui import ui
 
 from flowtree.studio.page.choices import Choice, ChoiceRow, quiet_tip
 from flowtree.studio.page.components import PhotoBoard
+from flowtree.studio.page.swatches import Swatches
 from flowtree.studio.page.workbench import Mode, Workbench
 
 _MODES = (
@@ -117,6 +118,7 @@ class BoardTools:
     def build_views(self) -> None:
         """The ways to show a matte, and the graph's switch, over the board."""
         self._hint = ui.label().classes("board-hint")
+        self._swatches = Swatches(self.bench)
         with ui.element("div").classes("floating bottom"):
             self._shows = ChoiceRow(_SHOWS, self.choose_show, chosen=("overlay",))
             graph = Choice("graph", "account_tree", "Attractor graph", "The branches that were found")
@@ -152,6 +154,10 @@ class BoardTools:
         now = self.shown.get(self.bench.mode)
         if now is not None:
             self.choose_show(names[(names.index(now) + 1) % len(names)])
+
+    def pick(self, name: str, color: str) -> None:
+        """A colour picked on the photo, with the tool of that name."""
+        self._swatches.pick("tree_colors" if name == "pick-tree" else "background_colors", color)
 
     def erase(self) -> None:
         """The tool that takes away."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 _WORDS = {
     "reading the photos": ("photos", "strokes", "marks", "sketch"),
-    "telling tree from background": ("preparing", "matting", "coloring", "painting"),
+    "telling tree from background": ("picks", "preparing", "matting", "coloring", "painting"),
     "fitting the photos together": ("placing", "registering", "framing", "lines", "completing", "retouching"),
     "filling the crown": ("density", "leafiness", "habit"),
     "following the branches": ("attraction", "limbs", "fields", "limb_field"),

@@ -73,7 +73,7 @@ class StudioPage:
         self.viewer.on("shown", growing.grown)
         self.board.on("command", lambda event: bench.send(event.args["command"], event.args["number"]))
         self.board.on("activate", lambda event: bench.choose(photo=int(event.args)))
-        self.board.on("pick", lambda event: self._pick(**event.args))
+        self.board.on("pick", lambda event: self.tools.pick(**event.args))
         self.board.on("action", lambda event: self._act(str(event.args)))
         self.board.on("problem", lambda event: self.tell(str(event.args)))
         bench.on_problem(self.tell)
@@ -191,12 +191,6 @@ class StudioPage:
             number: view["soft_iou"] for number, view in enumerate(views) if view.get("soft_iou") is not None
         }
         self.strip.set_likeness(likeness)
-
-    def _pick(self, name: str, color: str) -> None:
-        """A colour picked on the photo: of the tree, or beside it."""
-        kind = "foreground_colors" if name == "pick-tree" else "background_colors"
-        colors = [*self.bench.state["params"]["matting"][kind], color]
-        self.bench.do("SetParam", name=f"matting.{kind}", value=colors)
 
     def _act(self, action: str) -> None:
         """What a key asked for."""
