@@ -9,6 +9,7 @@ from flowtree.pipeline import photo_steps
 from flowtree.pipeline.stage import Stage
 
 _FIRST = "painting"
+_SHOWN = "branches"
 #: What of the tree without paint the painted one is patched with.
 _WANTED = ("plain_skeleton", "plain_foliage", "bark")
 
@@ -16,8 +17,8 @@ _WANTED = ("plain_skeleton", "plain_foliage", "bark")
 def stand_beside_plain(stages: Sequence[Stage]) -> tuple[Stage, ...]:
     """The table for painted photographs: each stage that the paint changes has a twin without the paint.
 
-    Twins stand right behind their stages, run beside them where cores are free, and share the results of
-    runs without paint. There are only those that `patch_skeleton` and `patch_leaves` hang on. The bark is not
+    Twins run beside the stages where cores are free, those up to the branches behind all of these, so that
+    branches can be shown soon; and they share the results of runs without paint. There are only those that `patch_skeleton` and `patch_leaves` hang on. The bark is not
     the paint's business: it is made without paint alone.
 
     Args:
@@ -43,11 +44,17 @@ def stand_beside_plain(stages: Sequence[Stage]) -> tuple[Stage, ...]:
             needed.add(name)
             wanted.update(twin.inputs)
     table: list[Stage] = []
+    waiting: list[Stage] = []
+    shown = False
     for stage in stages:
         if stage.name not in needed or not set(_WANTED).intersection(stage.outputs):
             table.append(stage)
         if stage.name in needed:
-            table.append(twins[stage.name])
+            waiting.append(twins[stage.name])
+        shown = shown or stage.name == _SHOWN
+        if shown:
+            table += waiting
+            waiting.clear()
     return tuple(table)
 
 
