@@ -263,6 +263,14 @@ def test_photos_hang_where_their_cameras_saw_them(page):
     assert frame["middle"] == pytest.approx([0, 5.4, 0.2], abs=1e-12)
 
 
+def test_a_photos_corners_are_found_in_its_straightened_picture(page):
+    warp = np.array([[1.9, 0.2, -30.0], [-0.1, 2.1, 12.0], [1e-4, -2e-5, 1.0]])
+    view = {"warp": warp.tolist(), "frame": [800, 600]}
+    corners = np.array(page.evaluate("view => studio.cornersOf(view)", view))
+    back = np.column_stack([corners, np.ones(4)]) @ warp.T
+    np.testing.assert_allclose(back[:, :2] / back[:, 2:], [[0, 0], [800, 0], [800, 600], [0, 600]], atol=1e-6)
+
+
 def test_keys_mean_what_they_usually_do(page):
     keys = [
         ({"key": "z", "ctrlKey": True}, "undo"),

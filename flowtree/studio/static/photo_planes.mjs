@@ -49,13 +49,43 @@ export function aimEye(camera, { view, frame }, aspect, zoom, radius) {
   return { place: [x * distance, height, z * distance], target: [0, height, 0] };
 }
 
+/**
+ * Where the photo's corners lie in a view's picture, from the upper left one clockwise.
+ *
+ * @param {object} view as the layer "cameras" lists it
+ * @returns {[number, number][]}
+ */
+export function cornersOf({ warp: m, frame: [width, height] }) {
+  // The rows of the inverse, but for a common factor.
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const columns = [cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])];
+  return [[0, 0], [width, 0], [width, height], [0, height]].map(([x, y]) => {
+    const [u, v, w] = [0, 1, 2].map((k) => columns[0][k] * x + columns[1][k] * y + columns[2][k]);
+    return [u / w, v / w];
+  });
+}
+
+/** The picture without what lies beyond its photo's frame. */
+function cutFrame(picture, view) {
+  const canvas = document.createElement("canvas");
+  canvas.width = picture.width;
+  canvas.height = picture.height;
+  const context = canvas.getContext("2d");
+  const [across, down] = [picture.width / view.width, picture.height / view.height];
+  context.beginPath();
+  for (const [x, y] of cornersOf(view)) context.lineTo(x * across, y * down);
+  context.clip();
+  context.drawImage(picture, 0, 0);
+  return canvas;
+}
+
 const AS_SEEN = { scale: 1, aside: 0, up: 0, turn: 0 };
 
 export class PhotoPlanes {
   constructor() {
     this.group = new THREE.Group();
     this.planes = [];
-    this.pictures = []; // textures by view; they may come before the views
+    this.pictures = []; // by view; they may come before the views
     this.radius = 4;
   }
 
@@ -81,18 +111,22 @@ export class PhotoPlanes {
     }
   }
 
-  setPicture(index, texture) {
-    this.pictures[index]?.dispose();
-    texture.colorSpace = THREE.SRGBColorSpace;
-    this.pictures[index] = texture;
+  /** @param {HTMLImageElement | ImageBitmap} picture the view's straightened picture */
+  setPicture(index, picture) {
+    this.pictures[index] = picture;
     this.#hang(index);
   }
 
   #hang(index) {
     const plane = this.planes[index];
-    if (!plane || !this.pictures[index]) return;
-    plane.mesh.material.map = this.pictures[index];
-    plane.mesh.material.needsUpdate = true;
+    const picture = this.pictures[index];
+    if (!plane || !picture) return;
+    const { material } = plane.mesh;
+    material.map?.dispose();
+    material.map = new THREE.CanvasTexture(cutFrame(picture, plane.view));
+    material.map.colorSpace = THREE.SRGBColorSpace;
+    material.map.anisotropy = 4;
+    material.needsUpdate = true;
   }
 
   /**
@@ -125,6 +159,7 @@ export class PhotoPlanes {
   clear() {
     for (const { mesh } of this.planes) {
       mesh.geometry.dispose();
+      mesh.material.map?.dispose();
       mesh.material.dispose();
       this.group.remove(mesh);
     }

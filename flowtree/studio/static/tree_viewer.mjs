@@ -99,9 +99,9 @@ export class TreeViewer {
   }
 
   async #loadPicture(name, url) {
-    const texture = await new THREE.TextureLoader().loadAsync(url);
+    const picture = await new THREE.ImageLoader().loadAsync(url);
     if (this.layers.urls[name] !== url) return;
-    this.planes.setPicture(Number(name.split("/")[1]), texture);
+    this.planes.setPicture(Number(name.split("/")[1]), picture);
     this.#apply();
   }
 
