@@ -18,8 +18,9 @@ def stand_beside_plain(stages: Sequence[Stage]) -> tuple[Stage, ...]:
     """The table for painted photographs: each stage that the paint changes has a twin without the paint.
 
     Twins run beside the stages where cores are free, those up to the branches behind all of these, so that
-    branches can be shown soon; and they share the results of runs without paint. There are only those that `patch_skeleton` and `patch_leaves` hang on. The bark is not
-    the paint's business: it is made without paint alone.
+    branches can be shown soon; and they share the results of runs without paint. There are only those that
+    `patch_skeleton` and `patch_leaves` hang on. The bark is not the paint's business: it is made without
+    paint alone.
 
     Args:
         stages: for photographs on which nobody painted, with ``plain_skeleton`` and ``plain_foliage`` among

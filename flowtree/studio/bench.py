@@ -48,7 +48,7 @@ class Bench:
         works: dict[str, Callable[[StudioJob, Project], None]] = {
             "matte": self._cut_out,
             "tree": self._make_tree,
-            "variants": self._make_variants,
+            "variants": self._make_variant,
             "export": self._write_file,
         }
         try:
@@ -145,21 +145,19 @@ class Bench:
                 drawn.result()
         self._draw(job, json_layer("report", result.report))
 
-    def _make_variants(self, job: StudioJob, project: Project) -> None:
-        """A picture of each seed's tree; whichever is chosen is made already."""
+    def _make_variant(self, job: StudioJob, project: Project) -> None:
+        """A picture of another seed's tree; if it is chosen, it is made already."""
         from flowtree.project.reconstruct_project import reconstruct_project
         from flowtree.studio.layers.tree_layers import variant_layer
 
-        seeds = job.options["seeds"]
-        for k, seed in enumerate(seeds):
-            tell = partial(self._share, job, k, len(seeds))
-            result = reconstruct_project(
-                replace(project, seed=seed),
-                progress=tell,
-                cancel=lambda: self._is_stopped(job),
-                cache=self._cache,
-            )
-            self._draw(job, variant_layer(seed, result.asset))
+        seed, (done, asked) = job.options["seed"], job.options["part"]
+        result = reconstruct_project(
+            replace(project, seed=seed),
+            progress=lambda stage, share: self._say(job, "progress", (stage, (done + share) / asked)),
+            cancel=lambda: self._is_stopped(job),
+            cache=self._cache,
+        )
+        self._draw(job, variant_layer(seed, result.asset))
 
     def _write_file(self, job: StudioJob, project: Project) -> None:
         """The tree or its branches in a file, as the command line writes it."""
@@ -185,9 +183,6 @@ class Bench:
             params = project.params
             export_tree(result.asset, output, params=params.export, engine=params.collision.engine)
         self._say(job, "exported")
-
-    def _share(self, job: StudioJob, part: int, parts: int, stage: str, share: float) -> None:
-        self._say(job, "progress", (stage, (part + share) / parts))
 
     def _show(self, job: StudioJob, layers: Any, stage: str, made: dict[str, Any]) -> None:
         for layer in layers.draw(stage, made):

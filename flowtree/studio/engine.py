@@ -40,6 +40,7 @@ class Engine:
         self._cut: Any = None  # what the mattes hang on, of those that are there
         self._kept: list[bytes] = []  # results that the grower was not given yet
         self._seeds: list[int] = []  # of variants that are to come
+        self._asked = 0  # variants that were asked for together with them
         self.problem: str | None = None
 
     @property
@@ -75,7 +76,7 @@ class Engine:
             if not self._state.photos:
                 return
             if _hangs_on(self._state) == self._cut:
-                self._grow()
+                self._submit("tree", self._grower)
             else:
                 self._submit("matte", self._cutter)
 
@@ -88,10 +89,10 @@ class Engine:
         self._grower.stop(last, kill=True)
 
     def variants(self, seeds: Sequence[int]) -> None:
-        """Pictures of other seeds' trees, one by one, behind what runs; an edit does not end them."""
+        """Pictures of other seeds' trees, one by one, behind all else; an edit does not end them."""
         with self._lock:
-            self._seeds = list(seeds)
-            self._submit("variants", self._grower, {"seeds": tuple(seeds)})
+            self._seeds, self._asked = list(seeds), len(seeds)
+            self._go_on()
 
     def export(self, order: Order) -> None:
         """Writes a file behind what runs."""
@@ -109,11 +110,11 @@ class Engine:
         self._cutter.stop(self._next - 1)
         self._grower.stop(self._next - 1)
 
-    def _grow(self) -> None:
-        """The tree, then the variants that somebody still waits for."""
-        self._submit("tree", self._grower)
-        if self._seeds:
-            self._submit("variants", self._grower, {"seeds": tuple(self._seeds)})
+    def _go_on(self) -> None:
+        """The next variant that somebody waits for, where nothing else is to be done."""
+        if self._seeds and not self._jobs:
+            done = self._asked - len(self._seeds)
+            self._submit("variants", self._grower, {"seed": self._seeds[0], "part": (done, self._asked)})
 
     def _submit(self, kind: Kind, worker: Worker, options: Mapping[str, Any] | None = None) -> int:
         kept: tuple[bytes, ...] = ()
@@ -155,9 +156,13 @@ class Engine:
             if message.kind == "done":
                 if job.kind == "matte":
                     self._cut = _hangs_on(job.state)
-                    self._grow()
+                    self._submit("tree", self._grower)
+                self._go_on()
+                if job.kind == "variants" and self._seeds:
+                    return []
                 return [{"event": "done", **about, "seconds": message.content}]
             if message.kind == "cancelled":
+                self._go_on()
                 return [{"event": "cancelled", **about}]
             self.problem = _CRASHED if message.kind == "crashed" else str(message.content)
             self._seeds = []

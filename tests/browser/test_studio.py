@@ -210,6 +210,9 @@ def test_a_variant_is_chosen(studio):
     studio.page.wait_for_function("document.querySelectorAll('.variant:not(.waiting)').length > 0")
     studio.page.locator(".variant").first.click()
     studio.until(lambda state: state["seed"] == 1, "not chosen")
+    studio.page.wait_for_selector(".variant.chosen")
+    studio.page.locator(".status").get_by_text("Stop").click()
+    studio.page.wait_for_selector(".state-dot.stopped")
 
 
 def test_a_page_that_is_opened_again_goes_on(studio):
