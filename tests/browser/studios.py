@@ -155,6 +155,7 @@ class Studio:
         if self.pictures is None:
             return
         self.page.mouse.move(5, 5)
+        self.page.evaluate("document.querySelector('.shape-scroll').scrollTop = 0")
         self.page.wait_for_timeout(1000)  # tips fade, the viewer draws
         self.page.screenshot(path=self.pictures / f"{name}.png")
         self.page.screenshot(path=self.pictures / f"{name}.jpg", type="jpeg", quality=88)

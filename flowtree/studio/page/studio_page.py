@@ -25,6 +25,7 @@ from flowtree.studio.page.workbench import Workbench
 
 _BOARD_LAYERS = ("photo/", "matte/", "cost/", "graph/", "cameras")
 _VIEWER_LAYERS = ("cameras", "straight/", "voxels", "field", "flow", "skeleton", "coarse.glb", "tree.glb")
+_LOOK = ("page", "controls", "board", "panels", "fields", "over", "narrow")  # later ones count more
 Kind = Literal["bad", "info", "good"]
 _ICONS = {"bad": "error_outline", "info": "info_outline", "good": "check"}
 _GROW = 1.15  # a brush by one press of a bracket
@@ -37,7 +38,8 @@ class StudioPage:
         self.bench = bench
         self.client = client
         self.loop = asyncio.get_running_loop()
-        ui.add_css(STATIC / "studio.css")
+        for part in _LOOK:
+            ui.add_css(STATIC / f"{part}.css")
         self.help = HelpOverlay()
         self.export = ExportDialog(bench)
         with ui.element("div").classes("studio"):
