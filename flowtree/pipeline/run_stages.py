@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from concurrent.futures import Future
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 from flowtree import check
 from flowtree.device import thread_count
@@ -16,6 +16,7 @@ from flowtree.pipeline.cache import StageCache
 from flowtree.pipeline.digest import digest
 from flowtree.pipeline.load_kernels import load_kernels
 from flowtree.pipeline.stage import Job, Stage
+from flowtree.pipeline.stage_workers import StageTurn, StageWorkers
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ def run_stages(
         name: tuple(_Value(v, digest(v)) for v in data) if name in per_view else _Value(data, digest(data))
         for name, data in sources.items()
     }
-    with load_kernels(stages, job.device) as kernels, _Workers(thread_count()) as workers:
+    with load_kernels(stages, job.device) as kernels, StageWorkers(thread_count()) as workers:
         table = _Table(stages, board, job, views, StageCache() if cache is None else cache, kernels)
         while table.ready or workers.busy:
             while table.ready and workers.free:
@@ -109,23 +110,6 @@ def run_stages(
         progress(stages[-1].name, 1.0)
     seconds = {stage.name: table.seconds[stage.name] for stage in stages}
     return Run({name: _data(value) for name, value in board.items()}, seconds)
-
-
-@dataclass(frozen=True, eq=False)
-class _Turn:
-    """A stage's work on one view, or on all; equal views and twins have it together.
-
-    Attributes:
-        stage: what is run.
-        order: of the stage in the table and of the turn in the stage.
-        key: fingerprint of all that the result hangs on.
-        work: makes the result.
-    """
-
-    stage: Stage
-    order: tuple[int, int]
-    key: str
-    work: Callable[[], tuple[Any, ...]]
 
 
 class _Table:
@@ -155,19 +139,19 @@ class _Table:
         self._wanted: dict[str, dict[int, Stage]] = {}  # results to come, and whose they are
         self._start: dict[int, float] = {}
         self._end = (len(stages), 0)
-        self.ready: list[_Turn] = []
+        self.ready: list[StageTurn] = []
         self.done = 0.0
         self.seconds: dict[str, float] = {}
         self.fault: Exception | None = None
         self._list_ready()
 
-    def take(self) -> _Turn:
+    def take(self) -> StageTurn:
         """The first turn that can begin; the caller begins it."""
         turn = self.ready.pop(0)
         self._start.setdefault(turn.order[0], time.perf_counter())
         return turn
 
-    def finish(self, turn: _Turn, made: tuple[Any, ...] | Exception) -> list[Stage]:
+    def finish(self, turn: StageTurn, made: tuple[Any, ...] | Exception) -> list[Stage]:
         """Notes what a turn made or how it failed, and lists what can begin now; returns what has ended."""
         if isinstance(made, Exception):
             if turn.order < self._end:
@@ -200,11 +184,11 @@ class _Table:
                 self.ready += self._turns(number, stage)
         self.ready.sort(key=_order)
 
-    def _turns(self, number: int, stage: Stage) -> list[_Turn]:
+    def _turns(self, number: int, stage: Stage) -> list[StageTurn]:
         params = {name: getattr(self._job.params, name) for name in stage.params}
         seed = self._job.seed if stage.seeded else None
         self._keys[number], self._made[number] = [], {}
-        turns: list[_Turn] = []
+        turns: list[StageTurn] = []
         views: Sequence[int | None] = range(self._views) if stage.each_view else (None,)
         for k, view in enumerate(views):
             inputs = [_input(self._board[name], view) for name in stage.inputs]
@@ -213,7 +197,7 @@ class _Table:
             self._keys[number].append(key)
             if key not in self._wanted:  # else a twin or an equal view is at it
                 work = partial(self._run, stage, inputs, key, self._cache.get(key))
-                turns.append(_Turn(stage, (number, k), key, work))
+                turns.append(StageTurn(stage, (number, k), key, work))
             self._wanted.setdefault(key, {})[number] = stage
         return turns
 
@@ -234,59 +218,7 @@ class _Table:
         return tuple(_Value(data, f"{key}/{k}") for k, data in enumerate(outputs))
 
 
-class _Workers:
-    """Threads that turns run in, and the caller's own.
-
-    Attributes:
-        count: turns that run at once, at most.
-    """
-
-    def __init__(self, count: int) -> None:
-        self.count = count
-        self._pool = ThreadPoolExecutor(count, thread_name_prefix="flowtree-stages")
-        self._running: dict[Future[tuple[Any, ...]], _Turn] = {}
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._pool.shutdown(cancel_futures=True)
-
-    @property
-    def free(self) -> bool:
-        """Whether one more can begin."""
-        return len(self._running) < self.count
-
-    @property
-    def busy(self) -> tuple[_Turn, ...]:
-        """The turns that are running, or have ended and were not asked for."""
-        return tuple(self._running.values())
-
-    def start(self, turn: _Turn, *, here: bool) -> None:
-        """Begins a turn; one that runs here has ended when this returns."""
-        if not here:
-            self._running[self._pool.submit(turn.work)] = turn
-            return
-        ended: Future[tuple[Any, ...]] = Future()
-        try:
-            ended.set_result(turn.work())
-        except Exception as error:  # a fault is weighed against those of turns elsewhere
-            ended.set_exception(error)
-        self._running[ended] = turn
-
-    def finished(self) -> list[tuple[_Turn, tuple[Any, ...] | Exception]]:
-        """Waits for at least one turn to end; those that did, with what they made or raised."""
-        ended, _ = wait(self._running, return_when=FIRST_COMPLETED)
-        found = []
-        for job in ended:
-            error = job.exception()
-            if error is not None and not isinstance(error, Exception):
-                raise error
-            found.append((self._running.pop(job), job.result() if error is None else error))
-        return sorted(found, key=lambda each: each[0].order)
-
-
-def _order(turn: _Turn) -> tuple[int, int]:
+def _order(turn: StageTurn) -> tuple[int, int]:
     return turn.order
 
 

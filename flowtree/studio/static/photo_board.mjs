@@ -38,6 +38,7 @@ export class PhotoBoard {
     this.how = { show: "overlay", split: 0.5, graphShown: true, stacked: false, cutout: false };
     this.photo = 0;
     this.transforms = new Map(); // of each photo
+    this.moved = new Set(); // photos that somebody has panned or zoomed
     this.arrange = new ArrangeView();
     this.compass = new Compass(host, (photo, yaw, gesture) => {
       this.#send({ command: "SetYaw", photo, yaw, gesture });
@@ -90,6 +91,7 @@ export class PhotoBoard {
   /** The whole photo in the frame. */
   frame() {
     this.transforms.delete(this.photo);
+    this.moved.delete(this.photo);
     this.#lay();
     this.refresh();
   }
@@ -169,12 +171,14 @@ export class PhotoBoard {
   pan(dx, dy) {
     if (!this.single) return;
     this.transform.move(dx, dy);
+    this.moved.add(this.photo);
     this.refresh();
   }
 
   zoom(factor, at) {
     if (!this.single) return;
     this.transform.zoom(factor, at);
+    this.moved.add(this.photo);
     this.refresh();
   }
 
@@ -223,7 +227,10 @@ export class PhotoBoard {
   #resize() {
     const shift = this.canvas.resize();
     if (!shift) return;
-    for (const transform of this.transforms.values()) transform.move(...shift);
+    for (const [photo, transform] of this.transforms) {
+      if (this.moved.has(photo)) transform.move(...shift);
+      else this.transforms.delete(photo); // all of it is shown, in whatever frame
+    }
     this.#lay();
     this.canvas.draw();
   }
