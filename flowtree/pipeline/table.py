@@ -11,23 +11,23 @@ they are no sources (see `stand_beside_plain`).
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import import_module
 from typing import Any
 
 from flowtree.pipeline import photo_steps
+from flowtree.pipeline.import_alone import import_alone
 from flowtree.pipeline.stage import Job, Stage
 
 
 def load_steps() -> None:
     """Imports what the stages behind the mattes need; a stage that begins meanwhile waits for it."""
-    import_module("flowtree.pipeline.steps")
+    import_alone("flowtree.pipeline.steps")
 
 
 def _late(name: str) -> Callable[..., Any]:
     """A function of `flowtree.pipeline.steps`, looked up when it is called."""
 
     def run(job: Job, *inputs: Any) -> Any:
-        return getattr(import_module("flowtree.pipeline.steps"), name)(job, *inputs)
+        return getattr(import_alone("flowtree.pipeline.steps"), name)(job, *inputs)
 
     return run
 

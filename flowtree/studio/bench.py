@@ -21,7 +21,7 @@ from flowtree.matting.cut_out_tree import CutOut
 from flowtree.params import Params
 from flowtree.pipeline.run_stages import run_stages
 from flowtree.pipeline.stage import Job
-from flowtree.pipeline.table import STAGES
+from flowtree.pipeline.table import STAGES, load_steps
 from flowtree.project.project import Project
 from flowtree.project.save_document import lay_out_project
 from flowtree.studio.job import Message, StudioJob
@@ -57,6 +57,8 @@ class Bench:
             for packed in job.kept:  # from a process of ours
                 for key, result in pickle.loads(packed).items():
                     self._cache.put(key, result)
+            if job.kind != "matte":
+                load_steps()  # before anything else of what they import
             works[job.kind](job, lay_out_project(job.state, job.folder, job.scratch))
         except CancelledError:
             self._say(job, "cancelled")
