@@ -37,6 +37,7 @@ def matte(
         from flowtree.matting.extract_matte import extract_matte
         from flowtree.params import Params
         from flowtree.photos.load_photo import load_photo
+        from flowtree.photos.read_picks import Picks, read_picks, with_picks
         from flowtree.photos.read_scribbles import read_scribbles
         from flowtree.photos.read_trimap import read_trimap
         from flowtree.render.write_picture import write_picture
@@ -45,11 +46,14 @@ def matte(
         progress("photos", 0.0)
         picture = load_photo(photo, params=chosen.photos)
         progress("matting", 0.1)
+        picks = Picks(strokes=False) if scribbles is None else read_picks(scribbles)
         cut = extract_matte(
             picture,
             trimap=None if trimap is None else read_trimap(trimap, picture, params=chosen.photos),
-            scribbles=None if scribbles is None else read_scribbles(scribbles, picture, params=chosen.photos),
-            params=chosen.matting,
+            scribbles=read_scribbles(scribbles, picture, params=chosen.photos)
+            if scribbles is not None and picks.strokes
+            else None,
+            params=with_picks(chosen.matting, picks),
         )
         alpha = np.rint(cut.alpha * 255.0).astype(np.uint8)
         write_picture(np.dstack([cut.foreground, alpha]), output)

@@ -168,13 +168,12 @@ def _nearest_color(rgb: NDArray[np.uint8], level: NDArray[np.float32]) -> NDArra
 def _shrunk_labels(labels: NDArray[np.uint8], shape: tuple[int, ...]) -> NDArray[np.uint8]:
     """Labels at the small size: the one that covers most of a pixel, where any covers a sixteenth."""
     size = (shape[1], shape[0])
-    cover = np.stack(
-        [
-            cv2.resize((labels == label).astype(np.float32), size, interpolation=cv2.INTER_AREA)
-            for label in (TREE, BACKGROUND, OCCLUDER, UNKNOWN)
-        ],
-        axis=2,
-    )
-    small: NDArray[np.uint8] = (np.argmax(cover, axis=2) + 1).astype(np.uint8)
-    small[cover.max(axis=2) < 1.0 / 16.0] = 0
+    small, most = np.zeros(shape, np.uint8), np.zeros(shape, np.float32)
+    for label in (TREE, BACKGROUND, OCCLUDER, UNKNOWN):
+        here = labels == label
+        if here.any():
+            cover = cv2.resize(here.astype(np.float32), size, interpolation=cv2.INTER_AREA)
+            small[cover > most] = label
+            most = np.maximum(most, cover)
+    small[most < 1.0 / 16.0] = 0
     return small

@@ -31,28 +31,34 @@ def cut_regions(
 
     Returns: (h, w) in 0..1.
     """
-    label = (odds > 0.0).astype(np.float32)
+    shape, width = odds.shape, odds.shape[1]
+    # Rows behind one another: whole pictures are read straight through. No border lies between two rows.
+    label = (odds > 0.0).astype(np.float32).ravel()
     ahead = label.copy()
     right, down = np.zeros_like(label), np.zeros_like(label)
     flow, new = np.empty_like(label), np.empty_like(label)
-    gain = _STEP * odds
-    least_right, least_down = -cost_right, -cost_down
-    step_right, step_down = np.empty_like(label[:, :-1]), np.empty_like(label[:-1])
+    gain = (_STEP * odds).ravel()
+    most_right = cost_right.copy()
+    most_right[:, -1] = 0.0
+    most_right, most_down = most_right.ravel()[:-1], cost_down.ravel()[:-width]
+    least_right, least_down = -most_right, -most_down
+    step_right, step_down = np.empty_like(most_right), np.empty_like(most_down)
+    to_right, to_below = right[:-1], down[:-width]
     for _ in range(rounds):
         # Written over itself, and with bounds apart: half of the time went to fresh memory and to `np.clip`.
-        np.subtract(ahead[:, 1:], ahead[:, :-1], out=step_right)
+        np.subtract(ahead[1:], ahead[:-1], out=step_right)
         step_right *= _STEP
-        right[:, :-1] += step_right
-        np.subtract(ahead[1:], ahead[:-1], out=step_down)
+        to_right += step_right
+        np.subtract(ahead[width:], ahead[:-width], out=step_down)
         step_down *= _STEP
-        down[:-1] += step_down
-        np.maximum(right, least_right, out=right)
-        np.minimum(right, cost_right, out=right)
-        np.maximum(down, least_down, out=down)
-        np.minimum(down, cost_down, out=down)
+        to_below += step_down
+        np.maximum(to_right, least_right, out=to_right)
+        np.minimum(to_right, most_right, out=to_right)
+        np.maximum(to_below, least_down, out=to_below)
+        np.minimum(to_below, most_down, out=to_below)
         np.add(right, down, out=flow)
-        flow[:, 1:] -= right[:, :-1]
-        flow[1:] -= down[:-1]
+        flow[1:] -= to_right
+        flow[width:] -= to_below
         flow *= _STEP
         np.add(label, flow, out=new)
         new += gain
@@ -61,4 +67,4 @@ def cut_regions(
         np.multiply(new, np.float32(2.0), out=ahead)
         ahead -= label
         label, new = new, label
-    return label
+    return label.reshape(shape)

@@ -183,8 +183,8 @@ def _split(
         apart = colors.mean - sky.colors.mean
         spread = colors.floored(_NOISE) + sky.colors.floored(_NOISE)
         direction = solve_symmetric(spread, apart)
-        length = np.maximum((apart * direction).sum(axis=2), 1e-3)
-        along = np.clip(((lab - sky.colors.mean) * direction).sum(axis=2) / length, 0.0, 1.0)
+        length = np.maximum(np.einsum("ijk,ijk->ij", apart, direction), 1e-3)
+        along = np.clip(np.einsum("ijk,ijk->ij", lab - sky.colors.mean, direction) / length, 0.0, 1.0)
         along += (1.0 - along) * taken
         reach = 2 * max(4, round(0.02 * max(tree.shape))) + 1
         near_sky = cv2.blur(sky.mask.astype(np.float32), (reach, reach)) > 0.0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -76,12 +78,18 @@ def label_tree(
     tree, rest = taught, other
     label = np.zeros_like(share)
     for _ in range(rounds):
-        colour = rate_likeness(looks.color, halve(tree * looks.unmixed), (near, wide), noise=_NOISE)
-        colour -= rate_likeness(looks.color, halve(rest * looks.unmixed), (near, rows, wide), noise=_NOISE)
-        shares = _shares_ratio(looks, tree * looks.unmixed, rest * looks.unmixed)
-        shares = halve(np.clip(shares, -_SHARES, _SHARES) * looks.unmixed) / halve(looks.unmixed)
+        mine, theirs = tree * looks.unmixed, rest * looks.unmixed
+        with ThreadPoolExecutor(1) as beside:  # somebody waits for the matte, and the other core is idle
+            strange = beside.submit(
+                rate_likeness, looks.color, halve(theirs), (near, rows, wide), noise=_NOISE
+            )
+            colour = rate_likeness(looks.color, halve(mine), (near, wide), noise=_NOISE)
+            shares = _shares_ratio(looks, mine, theirs)
+            shares = halve(np.clip(shares, -_SHARES, _SHARES) * looks.unmixed) / halve(looks.unmixed)
+            texture = _texture_odds(looks, tree * hidden, rest, wide, (near, rows, wide))
+            colour -= strange.result()
         odds = np.clip(colour, -_COLOUR, _COLOUR) + shares
-        odds += _TEXTURE_SAYS * _texture_odds(looks, tree * hidden, rest, wide, (near, rows, wide))
+        odds += _TEXTURE_SAYS * texture
         odds = odds * share + coarse_prior
         odds = odds + _enclosed(label)
         odds = np.where(share < 0.3, 0.0, np.clip(odds, -6.0, 6.0)).astype(np.float32)

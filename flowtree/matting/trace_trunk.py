@@ -123,22 +123,26 @@ def _best_path(
     """Rows, columns and width indices of the path that pays most; empty where none pays."""
     sizes, height, width = pay.shape
     moves = [(dk, dx) for dk in (-1, 0, 1) for dx in (-1, 0, 1)]
+    steps = [
+        (
+            (_shifted(sizes, dk), _shifted(width, dx)),
+            (_shifted(sizes, -dk), _shifted(width, -dx)),
+            np.float32(_SHIFT * abs(dx) + (0.0 if dk == 0 else _WIDEN if dk < 0 else _NARROW)),
+        )
+        for dk, dx in moves
+    ]
     shown = np.flatnonzero(start.any(axis=1))
     came = np.zeros((height, sizes, width), np.int8)
     value = np.full((sizes, width), _NEVER)
     best, end = np.float32(0.0), (0, 0, -1)
     for row in range(int(shown[0] + 0.35 * np.ptp(shown)) if len(shown) else height, height):
         top = np.where(start[row], np.float32(0.0), _NEVER)[None, :].repeat(sizes, axis=0)
-        choice = np.zeros((sizes, width), np.int8)
-        for number, (dk, dx) in enumerate(moves, start=1):
-            cost = _SHIFT * abs(dx) + (0.0 if dk == 0 else _WIDEN if dk < 0 else _NARROW)
-            source = (_shifted(sizes, dk), _shifted(width, dx))
-            target = (_shifted(sizes, -dk), _shifted(width, -dx))
-            reached = value[source] - np.float32(cost)
+        for number, (source, target, cost) in enumerate(steps, start=1):
+            reached = value[source] - cost
             better = reached > top[target]
-            top[target] = np.where(better, reached, top[target])
-            choice[target] = np.where(better, np.int8(number), choice[target])
-        value, came[row] = top + pay[:, row], choice
+            np.copyto(top[target], reached, where=better)
+            np.copyto(came[row][target], np.int8(number), where=better)
+        value = top + pay[:, row]
         peak = value.max()
         if peak > best:
             size, column = divmod(int(value.argmax()), width)
@@ -152,8 +156,8 @@ def _best_path(
             break
         dk, dx = moves[number - 1]
         k, x, row = k + dk, x + dx, row - 1
-    steps = np.array(path[::-1], np.int64).reshape(-1, 3)
-    return steps[:, 0], steps[:, 1], steps[:, 2]
+    taken = np.array(path[::-1], np.int64).reshape(-1, 3)
+    return taken[:, 0], taken[:, 1], taken[:, 2]
 
 
 def _shifted(size: int, by: int) -> slice:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
-from importlib import import_module
 
 from flowtree.device import compile_module, pick_device, thread_count
+from flowtree.pipeline.import_alone import import_alone
 from flowtree.pipeline.stage import Stage
 
 
@@ -38,4 +38,4 @@ def load_kernels(stages: Sequence[Stage], device: str | None) -> Iterator[dict[s
 
 
 def _load(name: str, device: str) -> None:
-    compile_module(import_module(f"flowtree.kernels.{name}"), device)
+    compile_module(import_alone(f"flowtree.kernels.{name}"), device)

@@ -24,6 +24,7 @@ from flowtree.photos.mirror_marks import mirror_marks
 from flowtree.photos.mirror_photo import mirror_photo
 from flowtree.photos.read_marks import read_marks
 from flowtree.photos.read_painted_edit import read_painted_edit
+from flowtree.photos.read_picks import Picks, read_picks, with_picks
 from flowtree.photos.read_scribbles import read_scribbles
 from flowtree.photos.read_trimap import read_trimap
 from flowtree.pipeline.stage import Job
@@ -75,15 +76,21 @@ def run_marks(job: Job, photo: Photo, given: Path | ViewMarks | None, mirrored: 
     return mirror_marks(marks, photo.rgb.shape[1]) if mirrored else marks
 
 
-def run_preparing(job: Job, photo: Photo, trimap: Any) -> PreparedPhoto | None:
+def run_picks(job: Job, scribbles: Any) -> Picks:
+    """The colours that were picked on one photo."""
+    del job
+    return read_picks(scribbles) if isinstance(scribbles, Path) else Picks()
+
+
+def run_preparing(job: Job, photo: Photo, trimap: Any, picks: Picks) -> PreparedPhoto | None:
     """What matting finds out about a photo before anybody scribbles on it; nothing where it will not ask."""
     if photo.alpha is not None or trimap is not None:
         return None
-    return prepare_photo(photo, params=job.params.matting)
+    return prepare_photo(photo, params=with_picks(job.params.matting, picks))
 
 
 def run_matting(
-    job: Job, photo: Photo, prepared: PreparedPhoto | None, trimap: Any, scribbles: Any
+    job: Job, photo: Photo, prepared: PreparedPhoto | None, trimap: Any, scribbles: Any, picks: Picks
 ) -> CutOut:
     """One photo's alpha, steered by what is given."""
     if prepared is not None:  # of an equal photo, but not always of the same object
@@ -91,10 +98,9 @@ def run_matting(
     if isinstance(trimap, Path):
         trimap = read_trimap(trimap, photo, params=job.params.photos)
     if isinstance(scribbles, Path):
-        scribbles = read_scribbles(scribbles, photo, params=job.params.photos)
-    return cut_out_tree(
-        photo, trimap=trimap, scribbles=scribbles, prepared=prepared, params=job.params.matting
-    )
+        scribbles = read_scribbles(scribbles, photo, params=job.params.photos) if picks.strokes else None
+    params = with_picks(job.params.matting, picks)
+    return cut_out_tree(photo, trimap=trimap, scribbles=scribbles, prepared=prepared, params=params)
 
 
 def run_coloring(job: Job, photo: Photo, cut: CutOut) -> Matte:
@@ -132,6 +138,13 @@ def run_painting(
         matte, alpha=_flip(matte.alpha), foreground=_flip(matte.foreground), unknown=_flip(matte.unknown)
     )
     return mirror_photo(photo), matte, flipped
+
+
+def run_leaving_bare(
+    job: Job, photo: Photo, matte: Matte, paint: Path | PaintedEdit | None, mirrored: bool
+) -> tuple[Photo, Matte, PaintedEdit]:
+    """The same where nothing is painted; but paint that makes the matte is no edit."""
+    return run_painting(job, photo, matte, None if matte.alpha.any() else paint, mirrored)
 
 
 def _flip(picture: Any) -> Any:

@@ -26,9 +26,9 @@ from flowtree.pipeline.build_report import build_report
 from flowtree.pipeline.cache import StageCache
 from flowtree.pipeline.choose_yaws import choose_yaws
 from flowtree.pipeline.digest import digest
-from flowtree.pipeline.plain_tree import make_plain_tree
 from flowtree.pipeline.run_stages import run_stages
 from flowtree.pipeline.stage import Job
+from flowtree.pipeline.stand_beside_plain import stand_beside_plain
 from flowtree.pipeline.table import STAGES, load_steps
 
 _DEFAULT_HEIGHT = 10.0  # [m]
@@ -167,17 +167,14 @@ def reconstruct(
     chosen = pick_device(device)
     job = Job(params=params, seed=seed, device=chosen)
     Thread(target=load_steps, name="flowtree-imports").start()
-    cache = StageCache() if cache is None else cache
-    plain = make_plain_tree(
-        sources, job, views=views, cache=cache, progress=_part(progress, 0.0, 0.5), cancel=cancel
-    )
+    painted = any(edit is not None for edit in given["paint_source"])
     run = run_stages(
-        STAGES,
-        {**sources, "plain": plain, "plain_skeleton": None if plain is None else plain.skeleton},
+        stand_beside_plain(STAGES) if painted else STAGES,
+        sources if painted else {**sources, "plain_skeleton": None, "plain_foliage": None},
         job,
         views=views,
         cache=cache,
-        progress=progress if plain is None else _part(progress, 0.5, 1.0),
+        progress=progress,
         cancel=cancel,
         made=made,
     )
@@ -208,13 +205,6 @@ def reconstruct(
         asset=values["asset"],
         report=report,
     )
-
-
-def _part(progress: Progress | None, low: float, high: float) -> Progress | None:
-    """The progress of a part of the work, from one share of the whole to another."""
-    if progress is None:
-        return None
-    return lambda stage, share: progress(stage, low + (high - low) * share)
 
 
 def _per_photo(values: PerPhoto, count: int, name: str) -> list[Any]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from concurrent.futures import Future
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 from flowtree import check
 from flowtree.device import thread_count
@@ -16,6 +16,7 @@ from flowtree.pipeline.cache import StageCache
 from flowtree.pipeline.digest import digest
 from flowtree.pipeline.load_kernels import load_kernels
 from flowtree.pipeline.stage import Job, Stage
+from flowtree.pipeline.stage_workers import StageTurn, StageWorkers
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ def run_stages(
         name: tuple(_Value(v, digest(v)) for v in data) if name in per_view else _Value(data, digest(data))
         for name, data in sources.items()
     }
-    with load_kernels(stages, job.device) as kernels, _Workers(thread_count()) as workers:
+    with load_kernels(stages, job.device) as kernels, StageWorkers(thread_count()) as workers:
         table = _Table(stages, board, job, views, StageCache() if cache is None else cache, kernels)
         while table.ready or workers.busy:
             while table.ready and workers.free:
@@ -98,9 +99,9 @@ def run_stages(
                 # What nothing can run beside stays in the caller's thread, where Ctrl-C stops it at once.
                 workers.start(turn, here=workers.count == 1 or not (table.ready or workers.busy))
             for turn, result in workers.finished():
-                table.finish(turn, result)
-                if made is not None and turn.stage.name in table.seconds:
-                    made(turn.stage.name, {name: _data(board[name]) for name in turn.stage.outputs})
+                for stage in table.finish(turn, result):
+                    if made is not None:
+                        made(stage.name, {name: _data(board[name]) for name in stage.outputs})
             if progress is not None and workers.busy:
                 progress(min(workers.busy, key=_order).stage.name, table.done)
     if table.fault is not None:
@@ -109,25 +110,6 @@ def run_stages(
         progress(stages[-1].name, 1.0)
     seconds = {stage.name: table.seconds[stage.name] for stage in stages}
     return Run({name: _data(value) for name, value in board.items()}, seconds)
-
-
-@dataclass(frozen=True, eq=False)
-class _Turn:
-    """A stage's work on one view, or on all; equal views have it together.
-
-    Attributes:
-        stage: what is run.
-        order: of the stage in the table and of the turn in the stage.
-        key: fingerprint of all that the result hangs on.
-        work: makes the result.
-        share: of all the work.
-    """
-
-    stage: Stage
-    order: tuple[int, int]
-    key: str
-    work: Callable[[], tuple[Any, ...]]
-    share: float
 
 
 class _Table:
@@ -154,42 +136,45 @@ class _Table:
         self._whole = sum(stage.share for stage in stages)
         self._keys: dict[int, list[str]] = {}
         self._made: dict[int, dict[str, tuple[Any, ...]]] = {}
+        self._wanted: dict[str, dict[int, Stage]] = {}  # results to come, and whose they are
         self._start: dict[int, float] = {}
         self._end = (len(stages), 0)
-        self.ready: list[_Turn] = []
+        self.ready: list[StageTurn] = []
         self.done = 0.0
         self.seconds: dict[str, float] = {}
         self.fault: Exception | None = None
         self._list_ready()
 
-    def take(self) -> _Turn:
+    def take(self) -> StageTurn:
         """The first turn that can begin; the caller begins it."""
         turn = self.ready.pop(0)
         self._start.setdefault(turn.order[0], time.perf_counter())
         return turn
 
-    def finish(self, turn: _Turn, made: tuple[Any, ...] | Exception) -> None:
-        """Notes what a turn made or how it failed, and lists what can begin now."""
+    def finish(self, turn: StageTurn, made: tuple[Any, ...] | Exception) -> list[Stage]:
+        """Notes what a turn made or how it failed, and lists what can begin now; returns what has ended."""
         if isinstance(made, Exception):
             if turn.order < self._end:
                 self.fault, self._end = made, turn.order
                 self.ready = [other for other in self.ready if other.order < self._end]
-            return
-        number, keys = turn.order[0], self._keys[turn.order[0]]
+            return []
+        done = []
         self._cache.put(turn.key, made)
-        self._made[number][turn.key] = made
-        self.done = min(1.0, self.done + turn.share * keys.count(turn.key))
-        if len(self._made[number]) == len(set(keys)):
-            self._publish(turn.stage, [(key, self._made[number][key]) for key in keys])
-            self.seconds[turn.stage.name] = time.perf_counter() - self._start[number]
-            self._list_ready()
+        for number, stage in self._wanted.pop(turn.key).items():
+            keys = self._keys[number]
+            self._made[number][turn.key] = made
+            self.done = min(1.0, self.done + stage.share / self._whole * keys.count(turn.key) / len(keys))
+            if len(self._made[number]) == len(set(keys)):
+                self._publish(stage, [self._made[number][key] for key in keys])
+                now = time.perf_counter()
+                self.seconds[stage.name] = now - self._start.get(number, now)
+                done.append(stage)
+        self._list_ready()
+        return done
 
-    def _publish(self, stage: Stage, results: Sequence[tuple[str, tuple[Any, ...]]]) -> None:
+    def _publish(self, stage: Stage, results: Sequence[tuple[Any, ...]]) -> None:
         for k, name in enumerate(stage.outputs):
-            if stage.splits:  # by content: a view of which nothing changed is not computed again
-                self._board[name] = tuple(_Value(data, digest(data)) for data in results[0][1][k])
-                continue
-            values = tuple(_Value(made[k], _result_key(made[k], f"{key}/{name}")) for key, made in results)
+            values = tuple(made[k] for made in results)
             self._board[name] = values if stage.each_view else values[0]
 
     def _list_ready(self) -> None:
@@ -199,88 +184,41 @@ class _Table:
                 self.ready += self._turns(number, stage)
         self.ready.sort(key=_order)
 
-    def _turns(self, number: int, stage: Stage) -> list[_Turn]:
+    def _turns(self, number: int, stage: Stage) -> list[StageTurn]:
         params = {name: getattr(self._job.params, name) for name in stage.params}
         seed = self._job.seed if stage.seeded else None
         self._keys[number], self._made[number] = [], {}
-        turns: dict[str, _Turn] = {}
+        turns: list[StageTurn] = []
         views: Sequence[int | None] = range(self._views) if stage.each_view else (None,)
         for k, view in enumerate(views):
             inputs = [_input(self._board[name], view) for name in stage.inputs]
-            key = digest(stage.name, [_keys(value) for value in inputs], params, seed, self._job.device)
+            name = stage.same_as or stage.name
+            key = digest(name, [_keys(value) for value in inputs], params, seed, self._job.device)
             self._keys[number].append(key)
-            work = partial(self._run, stage, inputs, self._cache.get(key))
-            share = stage.share / self._whole / len(views)
-            turns.setdefault(key, _Turn(stage, (number, k), key, work, share))
-        return list(turns.values())
+            if key not in self._wanted:  # else a twin or an equal view is at it
+                work = partial(self._run, stage, inputs, key, self._cache.get(key))
+                turns.append(StageTurn(stage, (number, k), key, work))
+            self._wanted.setdefault(key, {})[number] = stage
+        return turns
 
-    def _run(self, stage: Stage, inputs: Sequence[Any], kept: tuple[Any, ...] | None) -> tuple[Any, ...]:
+    def _run(
+        self, stage: Stage, inputs: Sequence[Any], key: str, kept: tuple[Any, ...] | None
+    ) -> tuple[Any, ...]:
+        """The outputs as values: also their fingerprints are taken here, in a thread, and once a result."""
         if kept is not None:
             return kept
         for name in stage.kernels:
             self._kernels[name].result()
         made = stage.run(self._job, *(_data(value) for value in inputs))
-        return made if len(stage.outputs) > 1 else (made,)
+        outputs = made if len(stage.outputs) > 1 else (made,)
+        if stage.splits:  # a view of which nothing changed is not computed again
+            return tuple(tuple(_Value(data, digest(data)) for data in output) for output in outputs)
+        if stage.by_content:
+            return tuple(_Value(data, digest(data)) for data in outputs)
+        return tuple(_Value(data, f"{key}/{k}") for k, data in enumerate(outputs))
 
 
-class _Workers:
-    """Threads that turns run in, and the caller's own.
-
-    Attributes:
-        count: turns that run at once, at most.
-    """
-
-    def __init__(self, count: int) -> None:
-        self.count = count
-        self._pool = ThreadPoolExecutor(count, thread_name_prefix="flowtree-stages")
-        self._running: dict[Future[tuple[Any, ...]], _Turn] = {}
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._pool.shutdown(cancel_futures=True)
-
-    @property
-    def free(self) -> bool:
-        """Whether one more can begin."""
-        return len(self._running) < self.count
-
-    @property
-    def busy(self) -> tuple[_Turn, ...]:
-        """The turns that are running, or have ended and were not asked for."""
-        return tuple(self._running.values())
-
-    def start(self, turn: _Turn, *, here: bool) -> None:
-        """Begins a turn; one that runs here has ended when this returns."""
-        if not here:
-            self._running[self._pool.submit(turn.work)] = turn
-            return
-        ended: Future[tuple[Any, ...]] = Future()
-        try:
-            ended.set_result(turn.work())
-        except Exception as error:  # a fault is weighed against those of turns elsewhere
-            ended.set_exception(error)
-        self._running[ended] = turn
-
-    def finished(self) -> list[tuple[_Turn, tuple[Any, ...] | Exception]]:
-        """Waits for at least one turn to end; those that did, with what they made or raised."""
-        ended, _ = wait(self._running, return_when=FIRST_COMPLETED)
-        found = []
-        for job in ended:
-            error = job.exception()
-            if error is not None and not isinstance(error, Exception):
-                raise error
-            found.append((self._running.pop(job), job.result() if error is None else error))
-        return sorted(found, key=lambda each: each[0].order)
-
-
-def _result_key(data: Any, key: str) -> str:
-    """By content where that costs nothing: a judgement that comes out the same changes nothing behind it."""
-    return digest(data) if isinstance(data, bool | str) else key
-
-
-def _order(turn: _Turn) -> tuple[int, int]:
+def _order(turn: StageTurn) -> tuple[int, int]:
     return turn.order
 
 

@@ -36,8 +36,10 @@ class Stage:
         params: sections of the parameters it reads; others do not make it run again.
         each_view: it runs once a view: an input with an entry a view is that view's own, others are shared,
             and every output has an entry a view.
-        splits: it runs once for all views, and every output is a tuple of one entry a view, small enough to
-            be fingerprinted by its content.
+        splits: it runs once for all views, and every output is a tuple of one entry a view, which is
+            fingerprinted by its content.
+        by_content: so is every output: where it comes out as before, nothing behind it runs again.
+        same_as: the name of the stage whose results are its own where the inputs are the same; None for none.
         seeded: the seed changes its result.
         kernels: modules of ``flowtree.kernels`` that it launches from, made ready before it runs.
         share: of the time of a usual run, for the progress bar.
@@ -50,6 +52,8 @@ class Stage:
     params: tuple[str, ...] = ()
     each_view: bool = False
     splits: bool = False
+    by_content: bool = False
+    same_as: str | None = None
     seeded: bool = False
     kernels: tuple[str, ...] = ()
     share: float = 1.0

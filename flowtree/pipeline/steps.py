@@ -69,7 +69,6 @@ from flowtree.pipeline.compare_views import check_same_tree
 from flowtree.pipeline.cut_trunk import cut_trunk
 from flowtree.pipeline.equip_tree import equip_tree
 from flowtree.pipeline.photo_steps import Polylines
-from flowtree.pipeline.plain_tree import PlainTree
 from flowtree.pipeline.register_views import register_views
 from flowtree.pipeline.stage import Job
 from flowtree.render.render_mask import render_mask
@@ -325,20 +324,16 @@ def run_patching(
 def run_leaf_patching(
     job: Job,
     painted: Foliage | None,
-    bark: Material,
-    plain: PlainTree | None,
+    plain: Foliage | None,
     patch: Patch | None,
     cameras: tuple[Camera, ...],
     edits: tuple[PaintedEdit, ...],
-) -> tuple[Foliage | None, Material]:
-    """The same for leaves; the bark is not the paint's business."""
+) -> Foliage | None:
+    """The same for leaves."""
     del job
-    if plain is None or patch is None:
-        return painted, bark
-    leaves = patch_leaves(
-        plain.foliage, painted, cameras, edits, of_plain=patch.plain, of_painted=patch.painted
-    )
-    return leaves, plain.bark
+    if patch is None:
+        return painted
+    return patch_leaves(plain, painted, cameras, edits, of_plain=patch.plain, of_painted=patch.painted)
 
 
 def run_meshing(job: Job, skeleton: Skeleton) -> TreeMesh:

@@ -3,31 +3,31 @@
 Sources, one entry a view: ``photo_source`` (a file or a `Photo`), ``matte_source``, ``trimap_source``,
 ``scribbles_source``, ``strokes_source``, ``marks_source``, ``paint_source`` (a file, what reading it gives,
 or None), ``mirrored`` (whether the view is its photo's mirror image), ``yaw`` [degrees], ``height`` [m].
-One for all: ``bark_source`` and ``leaf_source`` (a picture or None), ``twig_source`` (a drawing or None),
-``plain`` (a `PlainTree`: what was made without painted edits; None where nothing is painted) and
-``plain_skeleton`` (its skeleton).
+One for all: ``bark_source`` and ``leaf_source`` (a picture or None), ``twig_source`` (a drawing or None).
+``plain_skeleton`` and ``plain_foliage``, of the tree that nobody painted on, are None; where somebody paints
+they are no sources (see `stand_beside_plain`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import import_module
 from typing import Any
 
 from flowtree.pipeline import photo_steps
+from flowtree.pipeline.import_alone import import_alone
 from flowtree.pipeline.stage import Job, Stage
 
 
 def load_steps() -> None:
     """Imports what the stages behind the mattes need; a stage that begins meanwhile waits for it."""
-    import_module("flowtree.pipeline.steps")
+    import_alone("flowtree.pipeline.steps")
 
 
 def _late(name: str) -> Callable[..., Any]:
     """A function of `flowtree.pipeline.steps`, looked up when it is called."""
 
     def run(job: Job, *inputs: Any) -> Any:
-        return getattr(import_module("flowtree.pipeline.steps"), name)(job, *inputs)
+        return getattr(import_alone("flowtree.pipeline.steps"), name)(job, *inputs)
 
     return run
 
@@ -48,6 +48,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("raw_photo", "strokes_source", "mirrored"),
         outputs=("raw_strokes",),
         each_view=True,
+        by_content=True,
         share=0.01,
     ),
     Stage(
@@ -56,12 +57,22 @@ STAGES: tuple[Stage, ...] = (
         inputs=("raw_photo", "marks_source", "mirrored"),
         outputs=("raw_marks",),
         each_view=True,
+        by_content=True,
+        share=0.01,
+    ),
+    Stage(
+        name="picks",
+        run=photo_steps.run_picks,
+        inputs=("scribbles_source",),
+        outputs=("picks",),
+        each_view=True,
+        by_content=True,
         share=0.01,
     ),
     Stage(
         name="preparing",  # apart from matting: no scribble changes it
         run=photo_steps.run_preparing,
-        inputs=("raw_photo", "trimap_source"),
+        inputs=("raw_photo", "trimap_source", "picks"),
         outputs=("prepared_photo",),
         params=("matting",),
         each_view=True,
@@ -70,7 +81,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="matting",
         run=photo_steps.run_matting,
-        inputs=("raw_photo", "prepared_photo", "trimap_source", "scribbles_source"),
+        inputs=("raw_photo", "prepared_photo", "trimap_source", "scribbles_source", "picks"),
         outputs=("raw_cut",),
         params=("photos", "matting"),
         each_view=True,
@@ -82,6 +93,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("raw_photo", "raw_cut"),
         outputs=("raw_matte",),
         each_view=True,
+        by_content=True,
         share=0.4,
     ),
     Stage(
@@ -91,6 +103,7 @@ STAGES: tuple[Stage, ...] = (
         outputs=("turned_photo", "turned_matte", "raw_edit"),
         params=("photos",),
         each_view=True,
+        by_content=True,
         share=0.02,
     ),
     Stage(
@@ -117,6 +130,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("turned_photo", "turned_matte", "raw_edit", "placements"),
         outputs=("photos", "straight_mattes", "edits", "cameras"),
         each_view=True,
+        by_content=True,
         share=0.05,
     ),
     Stage(
@@ -125,6 +139,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("raw_strokes", "raw_marks", "placements"),
         outputs=("strokes", "marks"),
         each_view=True,
+        by_content=True,
         share=0.01,
     ),
     Stage(
@@ -165,6 +180,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("bare_mattes", "cameras"),
         outputs=("leafy",),
         params=("leaves",),
+        by_content=True,
         share=0.02,
     ),
     Stage(
@@ -173,6 +189,7 @@ STAGES: tuple[Stage, ...] = (
         inputs=("bare_mattes", "cameras", "leafy"),
         outputs=("habit",),
         params=("attraction",),
+        by_content=True,
         share=0.02,
     ),
     Stage(
@@ -304,7 +321,7 @@ STAGES: tuple[Stage, ...] = (
             "placements",
             "mirrored",
         ),
-        outputs=("painted_bark",),
+        outputs=("bark",),
         params=("meshing", "photos"),
         seeded=True,
         share=0.2,
@@ -322,8 +339,8 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="leaf_patching",
         run=_late("run_leaf_patching"),
-        inputs=("painted_foliage", "painted_bark", "plain", "patch", "cameras", "edits"),
-        outputs=("foliage", "bark"),
+        inputs=("painted_foliage", "plain_foliage", "patch", "cameras", "edits"),
+        outputs=("foliage",),
         share=0.01,
     ),
     Stage(

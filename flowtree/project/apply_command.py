@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from flowtree import check
 from flowtree.configuration import params_from_table
 from flowtree.params import Params
+from flowtree.photos.read_picks import check_colors
 from flowtree.project import commands as do
 from flowtree.project.check_drawing import check_photo_marks, check_points, check_share, check_width
 from flowtree.project.document_state import DocumentState, DrawnPhoto
@@ -101,6 +102,18 @@ def _(command: do.RemoveScribbles, state: DocumentState) -> DocumentState:
         return replace(photo, scribbles=_fewer(photo.scribbles, command.indices, "scribbles"))
 
     return _on(state, command.photo, remove)
+
+
+@apply_command.register
+def _(command: do.SetColors, state: DocumentState) -> DocumentState:
+    def pick(photo: DrawnPhoto) -> DrawnPhoto:
+        _refuse_attached(photo, "scribbles")
+        tree, background = (
+            check_colors(colors, "picked colours") for colors in (command.tree, command.background)
+        )
+        return replace(photo, tree_colors=tree, background_colors=background)
+
+    return _on(state, command.photo, pick)
 
 
 @apply_command.register

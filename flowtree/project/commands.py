@@ -82,6 +82,15 @@ class RemoveScribbles:
 
 
 @dataclass(frozen=True)
+class SetColors:
+    """All colours that are picked on a photo: of the tree, and beside it."""
+
+    photo: int
+    tree: tuple[str, ...]
+    background: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class AddStroke:
     """One `BranchStroke` more."""
 
@@ -189,6 +198,7 @@ Command = (
     | SetSeeds
     | AddScribble
     | RemoveScribbles
+    | SetColors
     | AddStroke
     | ReplaceStroke
     | RemoveStrokes
@@ -204,7 +214,7 @@ Command = (
 )
 
 #: Those that say what is, and not what comes on top: in one gesture the last one counts.
-SETTING = (SetYaw, PlacePhoto, SetMark, SetSeeds, ReplaceStroke, SetHeight, SetSeed, SetParam)
+SETTING = (SetYaw, PlacePhoto, SetMark, SetSeeds, SetColors, ReplaceStroke, SetHeight, SetSeed, SetParam)
 
 
 def target_of(command: Command) -> tuple[Any, ...]:

@@ -21,6 +21,8 @@ class DrawnPhoto:
         yaw: from where it was taken [degrees].
         marks: what is given instead of found.
         scribbles: in the order drawn; later ones cover earlier ones.
+        tree_colors: picked on the tree, #rrggbb.
+        background_colors: picked beside it.
         strokes: drawn branches.
         paint: in the order painted.
         attached: kind and place of files that are no drawings: mattes, trimaps, scribbles and paint that are
@@ -33,6 +35,8 @@ class DrawnPhoto:
     yaw: float = 0.0
     marks: Marks = NO_MARKS
     scribbles: tuple[Scribble, ...] = ()
+    tree_colors: tuple[str, ...] = ()
+    background_colors: tuple[str, ...] = ()
     strokes: tuple[BranchStroke, ...] = ()
     paint: tuple[PaintStroke, ...] = ()
     attached: tuple[tuple[str, str], ...] = ()

@@ -12,15 +12,17 @@ import numpy as np
 from flowtree import check
 from flowtree.photos.load_photo import load_photo
 from flowtree.photos.read_drawn_json import read_drawn_json
+from flowtree.photos.read_picks import check_colors
 from flowtree.project.document_state import DrawnPhoto
 from flowtree.project.drawings import BranchStroke, Marks
 from flowtree.project.state_json import marks_from_json, paint_from_json, scribble_from_json, stroke_from_json
 
+_COLORS = ("tree_colors", "background_colors")
 _MARKS = tuple(field.name for field in fields(Marks))
 
 
 def drawn_files(photo: DrawnPhoto) -> dict[str, bytes]:
-    """The content of a photo's JSON files by their kind: strokes with marks, scribbles, paint.
+    """The content of a photo's JSON files by their kind: strokes and marks, scribbles and colours, paint.
 
     What is not drawn has no file. The same drawings give the same bytes.
     """
@@ -28,8 +30,9 @@ def drawn_files(photo: DrawnPhoto) -> dict[str, bytes]:
     tables: dict[str, dict[str, Any]] = {}
     if photo.strokes or marks:
         tables["strokes"] = {"strokes": [asdict(stroke) for stroke in photo.strokes], **marks}
-    if photo.scribbles:
-        tables["scribbles"] = {"strokes": [asdict(scribble) for scribble in photo.scribbles]}
+    colors = {name: getattr(photo, name) for name in _COLORS if getattr(photo, name)}
+    if photo.scribbles or colors:
+        tables["scribbles"] = {"strokes": [asdict(scribble) for scribble in photo.scribbles], **colors}
     if photo.paint:
         tables["paint"] = {"layers": [asdict(stroke) for stroke in photo.paint]}
     return {kind: (json.dumps(table) + "\n").encode() for kind, table in tables.items()}
@@ -60,7 +63,11 @@ def read_drawn_file(kind: str, file: Path, photo: Path) -> dict[str, Any] | None
     content = read_drawn_json(file, holds=kind, form="what flowtree reads")
     if kind == "scribbles":
         items = _items(content, "strokes", name)
-        return {"scribbles": tuple(scribble_from_json({"width": 8, **one}, name) for one in items)}
+        drawn = tuple(scribble_from_json({"width": 8, **one}, name) for one in items)
+        return {
+            "scribbles": drawn,
+            **{key: check_colors(content.get(key, []), name) for key in _COLORS},
+        }
     if kind == "paint":
         items = _items(content, "layers", name)
         return {"paint": tuple(paint_from_json({"width": 40, **one}, name) for one in items)}

@@ -13,6 +13,7 @@ _NAMES = {
     "SetSeeds": "Set seeds of photo",
     "AddScribble": "Scribble on photo",
     "RemoveScribbles": "Erase scribbles of photo",
+    "SetColors": "Pick colours on photo",
     "AddStroke": "Draw branch on photo",
     "ReplaceStroke": "Change branch of photo",
     "RemoveStrokes": "Erase branches of photo",

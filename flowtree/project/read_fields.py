@@ -60,6 +60,13 @@ def _wholes(value: Any, thing: str) -> tuple[int, ...]:
     return tuple(_whole(item, thing) for item in value)
 
 
+def _texts(value: Any, thing: str) -> tuple[str, ...]:
+    check.require(
+        isinstance(value, list | tuple), thing, "must be a list of texts", repr(value)[:40], "send one"
+    )
+    return tuple(_text(item, thing) for item in value)
+
+
 def _text(value: Any, thing: str) -> str:
     check.require(
         isinstance(value, str) and len(value) <= 300, thing, "must be a text", repr(value)[:40], "send one"
@@ -119,6 +126,8 @@ _READERS: dict[str, Callable[[Any, str], Any]] = {
     "width": _optional_number,
     "snapped": _flag,
     "indices": _wholes,
+    "tree": _texts,
+    "background": _texts,
     "index": _whole,
     "kind": _text,
     "softness": _number,

@@ -7,6 +7,7 @@ from typing import Any
 
 from flowtree import check
 from flowtree.configuration import params_from_table
+from flowtree.photos.read_picks import check_colors
 from flowtree.project.document_state import DocumentState, DrawnPhoto
 from flowtree.project.drawings import BranchStroke, Marks, PaintStroke, Scribble
 from flowtree.project.read_fields import read_fields
@@ -93,6 +94,8 @@ def _photo(table: Any) -> DrawnPhoto:
     return DrawnPhoto(
         marks=marks_from_json(table.get("marks", {}), "marks"),
         scribbles=tuple(scribble_from_json(one, "scribble") for one in _list(table, "scribbles")),
+        tree_colors=check_colors(table.get("tree_colors", []), "tree_colors"),
+        background_colors=check_colors(table.get("background_colors", []), "background_colors"),
         strokes=tuple(stroke_from_json(one, "stroke") for one in _list(table, "strokes")),
         paint=tuple(paint_from_json(one, "paint") for one in _list(table, "paint")),
         attached=tuple((str(kind), str(place)) for kind, place in _list(table, "attached")),

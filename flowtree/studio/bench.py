@@ -21,7 +21,7 @@ from flowtree.matting.cut_out_tree import CutOut
 from flowtree.params import Params
 from flowtree.pipeline.run_stages import run_stages
 from flowtree.pipeline.stage import Job
-from flowtree.pipeline.table import STAGES
+from flowtree.pipeline.table import STAGES, load_steps
 from flowtree.project.project import Project
 from flowtree.project.save_document import lay_out_project
 from flowtree.studio.job import Message, StudioJob
@@ -30,7 +30,7 @@ from flowtree.studio.layers.layer import Layer, json_layer
 from flowtree.studio.layers.photo_layers import matte_layer, photo_layer
 from flowtree.studio.recording_cache import RecordingCache
 
-_MATTING = tuple(stage for stage in STAGES if stage.name in ("photos", "preparing", "matting"))
+_MATTING = tuple(stage for stage in STAGES if stage.name in ("photos", "picks", "preparing", "matting"))
 
 
 class Bench:
@@ -48,7 +48,7 @@ class Bench:
         works: dict[str, Callable[[StudioJob, Project], None]] = {
             "matte": self._cut_out,
             "tree": self._make_tree,
-            "variants": self._make_variants,
+            "variants": self._make_variant,
             "export": self._write_file,
         }
         try:
@@ -57,6 +57,8 @@ class Bench:
             for packed in job.kept:  # from a process of ours
                 for key, result in pickle.loads(packed).items():
                     self._cache.put(key, result)
+            if job.kind != "matte":
+                load_steps()  # before anything else of what they import
             works[job.kind](job, lay_out_project(job.state, job.folder, job.scratch))
         except CancelledError:
             self._say(job, "cancelled")
@@ -145,21 +147,19 @@ class Bench:
                 drawn.result()
         self._draw(job, json_layer("report", result.report))
 
-    def _make_variants(self, job: StudioJob, project: Project) -> None:
-        """A picture of each seed's tree; whichever is chosen is made already."""
+    def _make_variant(self, job: StudioJob, project: Project) -> None:
+        """A picture of another seed's tree; if it is chosen, it is made already."""
         from flowtree.project.reconstruct_project import reconstruct_project
         from flowtree.studio.layers.tree_layers import variant_layer
 
-        seeds = job.options["seeds"]
-        for k, seed in enumerate(seeds):
-            tell = partial(self._share, job, k, len(seeds))
-            result = reconstruct_project(
-                replace(project, seed=seed),
-                progress=tell,
-                cancel=lambda: self._is_stopped(job),
-                cache=self._cache,
-            )
-            self._draw(job, variant_layer(seed, result.asset))
+        seed, (done, asked) = job.options["seed"], job.options["part"]
+        result = reconstruct_project(
+            replace(project, seed=seed),
+            progress=lambda stage, share: self._say(job, "progress", (stage, (done + share) / asked)),
+            cancel=lambda: self._is_stopped(job),
+            cache=self._cache,
+        )
+        self._draw(job, variant_layer(seed, result.asset))
 
     def _write_file(self, job: StudioJob, project: Project) -> None:
         """The tree or its branches in a file, as the command line writes it."""
@@ -185,9 +185,6 @@ class Bench:
             params = project.params
             export_tree(result.asset, output, params=params.export, engine=params.collision.engine)
         self._say(job, "exported")
-
-    def _share(self, job: StudioJob, part: int, parts: int, stage: str, share: float) -> None:
-        self._say(job, "progress", (stage, (part + share) / parts))
 
     def _show(self, job: StudioJob, layers: Any, stage: str, made: dict[str, Any]) -> None:
         for layer in layers.draw(stage, made):

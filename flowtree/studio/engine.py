@@ -16,7 +16,7 @@ from flowtree.studio.worker import Worker
 _CUTS = 40  # photos, and their mattes after some scribbles
 _RESULTS = 300  # six variants of a tree, and some steps of undoing
 Tell = Callable[[dict[str, Any]], None]
-_CRASHED = "a process of the studio ended unexpectedly; the project is safe: go on, or run it again"
+_CRASHED = "A process of the studio ended unexpectedly. The project is safe: go on, or grow the tree again."
 
 
 class Engine:
@@ -39,6 +39,8 @@ class Engine:
         self._state, self._revision = DocumentState(), 0
         self._cut: Any = None  # what the mattes hang on, of those that are there
         self._kept: list[bytes] = []  # results that the grower was not given yet
+        self._seeds: list[int] = []  # of variants that are to come
+        self._asked = 0  # variants that were asked for together with them
         self.problem: str | None = None
 
     @property
@@ -82,13 +84,15 @@ class Engine:
         """Ends all that runs, within half a second."""
         with self._lock:
             last = self._next - 1
+            self._seeds = []
         self._cutter.stop(last, kill=True)
         self._grower.stop(last, kill=True)
 
     def variants(self, seeds: Sequence[int]) -> None:
-        """Pictures of other seeds' trees, one after the other, behind what runs."""
+        """Pictures of other seeds' trees, one by one, behind all else; an edit does not end them."""
         with self._lock:
-            self._submit("variants", self._grower, {"seeds": tuple(seeds)})
+            self._seeds, self._asked = list(seeds), len(seeds)
+            self._go_on()
 
     def export(self, order: Order) -> None:
         """Writes a file behind what runs."""
@@ -105,6 +109,12 @@ class Engine:
         self._jobs = {number: job for number, job in self._jobs.items() if job.kind == "export"}
         self._cutter.stop(self._next - 1)
         self._grower.stop(self._next - 1)
+
+    def _go_on(self) -> None:
+        """The next variant that somebody waits for, where nothing else is to be done."""
+        if self._seeds and not self._jobs:
+            done = self._asked - len(self._seeds)
+            self._submit("variants", self._grower, {"seed": self._seeds[0], "part": (done, self._asked)})
 
     def _submit(self, kind: Kind, worker: Worker, options: Mapping[str, Any] | None = None) -> int:
         kept: tuple[bytes, ...] = ()
@@ -126,6 +136,9 @@ class Engine:
         """What a message changes, and what is told of it."""
         with self._lock:
             if message.kind == "layer":  # also of a job that was dropped: it is newer than what is there
+                kind, _, seed = message.content.name.partition("/")
+                if kind == "variant" and int(seed) in self._seeds:
+                    self._seeds.remove(int(seed))
                 return self.shelf.put(message.content)
             if message.kind == "kept":
                 self._kept.append(message.content)
@@ -144,14 +157,22 @@ class Engine:
                 if job.kind == "matte":
                     self._cut = _hangs_on(job.state)
                     self._submit("tree", self._grower)
+                self._go_on()
+                if job.kind == "variants" and self._seeds:
+                    return []
                 return [{"event": "done", **about, "seconds": message.content}]
             if message.kind == "cancelled":
+                self._go_on()
                 return [{"event": "cancelled", **about}]
             self.problem = _CRASHED if message.kind == "crashed" else str(message.content)
+            self._seeds = []
             return [{"event": "failed", **about, "message": self.problem}]
 
 
 def _hangs_on(state: DocumentState) -> Any:
     """What the mattes hang on; without scribbles and parameters of other stages nothing of them changes."""
-    drawn = tuple((photo.place, photo.scribbles, photo.attached) for photo in state.photos)
+    drawn = tuple(
+        (photo.place, photo.scribbles, photo.tree_colors, photo.background_colors, photo.attached)
+        for photo in state.photos
+    )
     return drawn, state.params.photos, state.params.matting

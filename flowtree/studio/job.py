@@ -18,14 +18,14 @@ class StudioJob:
 
     Attributes:
         number: later jobs have larger ones.
-        kind: "matte" cuts the photos out, "tree" makes the tree, "variants" those of other seeds, "export" a
+        kind: "matte" cuts the photos out, "tree" makes the tree, "variants" that of another seed, "export" a
             file.
         state: of the document.
         folder: of the project.
         scratch: where the worker may write.
         revision: of the document's state.
         kept: results of another worker for this one's cache, packed.
-        options: "seeds" of variants; the "order" of an export.
+        options: "seed" of a variant, and "part", how many of how many are done; the "order" of an export.
     """
 
     number: int

@@ -11,13 +11,17 @@ from flowtree.errors import FlowtreeError
 from flowtree.project.document import Document
 from flowtree.project.save_document import save_document
 
+_AGAIN = 3.0  # [s] until what could not be written is tried again
+
 
 class Saver:
     """A thread that writes the latest document it was given; those between need not be written.
 
+    What cannot be written is tried again and again, also when nobody asks for it.
+
     Args:
         folder: of the project.
-        tell: called with an event after every attempt.
+        tell: called with an event once a document is saved, and once where it could not be.
         files: held while files of the folder are written or removed.
     """
 
@@ -27,6 +31,9 @@ class Saver:
         self._waiting: Document | None = None
         self._writing = self._closed = False
         self.saved_revision: int | None = None
+        self._lost_revision: int | None = (
+            None  # of the state that could not be saved, and of which that was told
+        )
         self._thread = threading.Thread(target=self._work, name="flowtree-saver", daemon=True)
         self._thread.start()
 
@@ -59,20 +66,21 @@ class Saver:
                 if self._waiting is None:
                     return
                 self._writing = True
-            try:
-                document = self._save_latest()
-            except (FlowtreeError, OSError) as error:
-                event: dict[str, Any] = {"event": "unsaved", "message": str(error)}
-            else:
-                self.saved_revision = document.revision
-                event = {"event": "saved", "revision": document.revision}
+            lost, event = self._try()
             with self._changed:
                 self._writing = False
                 self._changed.notify_all()
-            self._tell(event)
+            if event is not None:
+                self._tell(event)
+            with self._changed:  # whoever is told makes room, and need not do anything else
+                newer = lost is None or self._changed.wait_for(
+                    lambda: self._waiting is not None or self._closed, timeout=_AGAIN
+                )
+                if not newer:
+                    self._waiting = lost
 
-    def _save_latest(self) -> Document:
-        """Saves what waits once the files are ours.
+    def _try(self) -> tuple[Document | None, dict[str, Any] | None]:
+        """Saves what waits once the files are ours; what could not be saved, and what is to be told of it.
 
         Not before: an older document does not know of a photo that has come meanwhile, and saving it would
         remove that photo's file.
@@ -81,5 +89,10 @@ class Saver:
             with self._changed:
                 document, self._waiting = self._waiting, None
             assert document is not None
-            save_document(document, self._folder)
-            return document
+            try:
+                save_document(document, self._folder)
+            except (FlowtreeError, OSError) as error:
+                told, self._lost_revision = self._lost_revision == document.revision, document.revision
+                return document, None if told else {"event": "unsaved", "message": str(error)}
+        self.saved_revision, self._lost_revision = document.revision, None
+        return None, {"event": "saved", "revision": document.revision}

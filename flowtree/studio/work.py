@@ -5,11 +5,11 @@ from __future__ import annotations
 import contextlib
 import queue
 import signal
-from importlib import import_module
 from multiprocessing.connection import Connection
 from threading import Thread
 from typing import Any
 
+from flowtree.pipeline.import_alone import import_alone
 from flowtree.studio.job import StudioJob
 
 
@@ -24,7 +24,7 @@ def work(connection: Connection, stopped: Any, ahead: str, kept: int) -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that closes this one in order
     if ahead:
-        Thread(target=import_module, args=(ahead,), daemon=True).start()
+        Thread(target=import_alone, args=(ahead,), daemon=True).start()
     from flowtree.studio.bench import Bench  # heavy, and the process that spawns this one needs none of it
 
     jobs: queue.Queue[StudioJob | None] = queue.Queue()

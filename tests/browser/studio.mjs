@@ -1,6 +1,7 @@
 /** The studio's modules at hand of a test: `studio.NAME` are their exports. */
 
 const NAMES = [
+  "arranging", "gestures", "pressure",
   "arrangement", "drop", "draw_photo", "foresee", "ink", "lines", "livewire", "matte_picture", "pan_zoom", "photo_planes",
   "layer_objects", "read_layers", "shortcuts", "photo_board", "tree_viewer",
 ];

@@ -22,12 +22,17 @@ PATIENCE = 40.0  # [s]; what takes longer hangs
 _START = "from flowtree.cli.main import main; main()"
 
 
-@contextlib.contextmanager
-def run_studio(project: Path) -> Iterator[str]:
-    """Starts ``flowtree studio`` on a folder; yields its address."""
+def free_port() -> int:
+    """A port that nobody listens on."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+        return int(probe.getsockname()[1])
+
+
+@contextlib.contextmanager
+def run_studio(project: Path, port: int | None = None) -> Iterator[tuple[str, subprocess.Popen[str]]]:
+    """Starts ``flowtree studio`` on a folder; yields its address and its process, which may be killed."""
+    port = free_port() if port is None else port
     command = [sys.executable, "-c", _START, "studio", str(project), "--no-browser", "--port", str(port)]
     # NiceGUI behaves otherwise where it finds itself in a test.
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
@@ -37,11 +42,11 @@ def run_studio(project: Path) -> Iterator[str]:
         try:
             address = f"http://127.0.0.1:{port}"
             _wait_for(f"{address}/state", process)
-            yield address
+            yield address, process
         finally:
             process.send_signal(signal.SIGINT)
             said, _ = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 0, said
+    assert process.returncode in (0, -signal.SIGKILL), said
     assert "Traceback" not in said, said
 
 
@@ -150,6 +155,7 @@ class Studio:
         if self.pictures is None:
             return
         self.page.mouse.move(5, 5)
+        self.page.evaluate("document.querySelector('.shape-scroll').scrollTop = 0")
         self.page.wait_for_timeout(1000)  # tips fade, the viewer draws
         self.page.screenshot(path=self.pictures / f"{name}.png")
         self.page.screenshot(path=self.pictures / f"{name}.jpg", type="jpeg", quality=88)
@@ -164,7 +170,7 @@ def open_studio(project: Path, **options: Any) -> Iterator[Studio]:
     options = {"viewport": {"width": 1280, "height": 800}, "color_scheme": "dark", **options}
     with (
         open_browser() as browser,
-        run_studio(project) as address,
+        run_studio(project) as (address, _),
         watch_page(browser, expected=("422",), **options) as page,  # a refused photo
     ):
         studio = Studio(address, project, page)

@@ -113,12 +113,16 @@ def test_a_scribble_changes_the_matte_and_is_undone(studio):
 def test_colors_are_picked(studio):
     studio.choose("pick-background")
     studio.draw((0.2, 0.2))
-    state = studio.until(lambda state: state["params"]["matting"]["background_colors"], "no colour")
-    (color,) = state["params"]["matting"]["background_colors"]
+    state = studio.until(lambda state: state["photos"][0]["background_colors"], "no colour")
+    (color,) = state["photos"][0]["background_colors"]
     red, _, blue = (int(color[k : k + 2], 16) for k in (1, 3, 5))
     assert blue > red + 40, "the sky is blue"
-    studio.press("Control+z")
-    studio.until(lambda state: not state["params"]["matting"]["background_colors"], "not undone")
+    assert not state["photos"][1]["background_colors"], "it is this photo's alone"
+    studio.page.locator(".swatch").click()
+    studio.until(lambda state: not state["photos"][0]["background_colors"], "not taken away")
+    for _ in range(2):
+        studio.press("Control+z")
+    studio.until(lambda state: state["redo"] == "Pick colours on photo 1", "not undone")
 
 
 def test_a_branch_is_drawn_and_snaps(studio):
@@ -206,6 +210,9 @@ def test_a_variant_is_chosen(studio):
     studio.page.wait_for_function("document.querySelectorAll('.variant:not(.waiting)').length > 0")
     studio.page.locator(".variant").first.click()
     studio.until(lambda state: state["seed"] == 1, "not chosen")
+    studio.page.wait_for_selector(".variant.chosen")
+    studio.page.locator(".status").get_by_text("Stop").click()
+    studio.page.wait_for_selector(".state-dot.stopped")
 
 
 def test_a_page_that_is_opened_again_goes_on(studio):

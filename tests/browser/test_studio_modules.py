@@ -20,7 +20,9 @@ from tests.browser.chromium import open_page
 _SCENE = Path(str(find_spec("nicegui").origin)).parent / "elements" / "scene" / "dist"
 _LENGTH = 24  # what a step of the livewire costs where its picture says 0
 
-_INKED = "board.ink.getContext('2d').getImageData(0, 0, 300, 300).data.filter(value => value > 0).length"
+_INKED = (
+    "board.canvas.ink.getContext('2d').getImageData(0, 0, 300, 300).data.filter(value => value > 0).length"
+)
 
 
 @pytest.fixture(scope="module")
@@ -261,6 +263,14 @@ def test_photos_hang_where_their_cameras_saw_them(page):
     assert frame["middle"] == pytest.approx([0, 5.4, 0.2], abs=1e-12)
 
 
+def test_a_photos_corners_are_found_in_its_straightened_picture(page):
+    warp = np.array([[1.9, 0.2, -30.0], [-0.1, 2.1, 12.0], [1e-4, -2e-5, 1.0]])
+    view = {"warp": warp.tolist(), "frame": [800, 600]}
+    corners = np.array(page.evaluate("view => studio.cornersOf(view)", view))
+    back = np.column_stack([corners, np.ones(4)]) @ warp.T
+    np.testing.assert_allclose(back[:, :2] / back[:, 2:], [[0, 0], [800, 0], [800, 600], [0, 600]], atol=1e-6)
+
+
 def test_keys_mean_what_they_usually_do(page):
     keys = [
         ({"key": "z", "ctrlKey": True}, "undo"),
@@ -373,3 +383,140 @@ def test_a_photos_eye_sees_its_plane_fill_the_frame(page, distance, eye):
     assert np.abs(np.array(corners)[:, 2]).max() < 1
     # What lies behind the axis is smaller, unless the photo is a parallel projection.
     assert behind[0] == pytest.approx(-1, abs=0.02) if distance is None else behind[0] > -0.9
+
+
+class Tablet:
+    """A pen and fingers on the board, in its own pixels."""
+
+    def __init__(self, page):
+        self.page = page
+        self.devtools = page.context.new_cdp_session(page)
+        self.box = page.locator("#board canvas").last.bounding_box()
+        self.devtools.send("Emulation.setTouchEmulationEnabled", {"enabled": True, "maxTouchPoints": 5})
+        page.evaluate(
+            """() => {
+                const photo = {width: 300, height: 300, yaw: 0, marks: {seeds: []}};
+                board.setState({photos: [{...photo, scribbles: [], strokes: [], paint: []}]});
+                board.setTool({mode: "density", name: "add", size: 5, softness: 0.5, strength: 1});
+                board.frame();
+            }"""
+        )
+
+    def pen(self, force, *, button="left"):
+        """Draws a line; returns the command that it becomes."""
+        before = self.page.evaluate("sent.length")
+        about = {"pointerType": "pen", "button": button, "force": force}
+        for kind, x in [("mousePressed", 60), *(("mouseMoved", 60 + 20 * k) for k in range(1, 6))]:
+            place = {"x": self.box["x"] + x, "y": self.box["y"] + 100}
+            self.devtools.send("Input.dispatchMouseEvent", {"type": kind, **place, **about})
+        self.devtools.send(
+            "Input.dispatchMouseEvent", {"type": "mouseReleased", **place, **about, "force": 0}
+        )
+        commands = self.page.evaluate("count => sent.slice(count).map(([, value]) => value.command)", before)
+        assert len(commands) == 1
+        return commands[0]
+
+    def fingers(self, *steps):
+        """Fingers that go down at the first step's places, move to the others', and go up."""
+        for number, places in enumerate(steps):
+            points = [
+                {"x": self.box["x"] + x, "y": self.box["y"] + y, "id": k} for k, (x, y) in enumerate(places)
+            ]
+            kind = "touchMove" if number else "touchStart"
+            self.devtools.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+        self.devtools.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+
+    def __getattr__(self, name):
+        return self.page.evaluate(f"board.{name}")
+
+
+def test_a_tablets_pen_and_fingers(page):
+    tablet = Tablet(page)
+    page.evaluate("sent.length = 0")
+    tablet.fingers([(60, 60)], [(90, 80)], [(120, 100)])
+    assert page.evaluate("sent.map(([, value]) => value.command.command)") == ["AddPaint"]
+    before = page.evaluate("({...board.transform})")
+    tablet.fingers([(100, 100), (200, 100)], [(90, 120), (210, 120)], [(50, 140), (250, 140)])
+    after = page.evaluate("({...board.transform})")
+    assert after["scale"] == pytest.approx(2 * before["scale"], rel=1e-6), "fingers twice as far apart"
+    middle = (140 - after["y"]) / after["scale"]
+    assert middle == pytest.approx((100 - before["y"]) / before["scale"]), (
+        "what lies between them stays there"
+    )
+    assert page.evaluate("sent.length") == 1, "two fingers draw nothing"
+    page.evaluate("board.frame()")
+
+    weak, usual, hard = (tablet.pen(force) for force in (0.2, 0.5, 0.9))
+    assert weak["strength"] == pytest.approx(0.4)
+    assert usual["strength"] == hard["strength"] == 1
+    page.evaluate("board.setTool({mode: 'branches', name: 'brush', size: 4})")
+    thin, usual, thick = (tablet.pen(force)["width"] for force in (0.1, 0.5, 1.0))
+    assert usual == pytest.approx(12), "4 % of the photo's height, as with a mouse"
+    assert thin < 0.5 * usual < usual < 1.5 * usual < thick
+
+    before = page.evaluate("({...board.transform})")
+    tablet.fingers([(60, 60)], [(90, 80)])
+    assert page.evaluate("board.transform.x") == pytest.approx(before["x"] + 30), "beside a pen a finger pans"
+    assert page.evaluate("board.state.photos[0].strokes.length") == 3
+
+
+def test_a_hand_beside_the_pen_does_not_draw(page):
+    page.evaluate("sent.length = 0")
+    page.evaluate(
+        """() => {
+            const {ink} = board.canvas;
+            ink.setPointerCapture = () => {};
+            const send = (type, {step = 0, ...about}) => ink.dispatchEvent(new PointerEvent(type, {
+                bubbles: true, clientX: 100 + 9 * step, clientY: 100, button: 0, pressure: 0.5, ...about}));
+            board.setTool({mode: "density", name: "add", size: 5});
+            send("pointerdown", {pointerId: 7, pointerType: "touch"});
+            send("pointerdown", {pointerId: 8, pointerType: "pen", button: 5});
+            for (const step of [1, 2, 3, 4]) send("pointermove", {pointerId: 8, pointerType: "pen", step});
+            send("pointermove", {pointerId: 7, pointerType: "touch", step: 9});
+            send("pointerup", {pointerId: 8, pointerType: "pen", step: 6});
+            send("pointerup", {pointerId: 7, pointerType: "touch"});
+        }"""
+    )
+    ((_, value),) = page.evaluate("sent")
+    assert value["command"]["kind"] == "erase", "the pen's other end takes away"
+
+
+def test_everything_follows_a_photo_that_is_arranged(page):
+    view = {"photo": 0, "mirrored": False, "yaw": 90, "metres_per_pixel": 0.02, "foot": [260, 590]}
+    view |= {"width": 500, "height": 640, "warp": [[2, 0, 10], [0, 2, 20], [0, 0, 1]]}
+    view |= {"placed": {"top_row": 200}}
+    seen = page.evaluate("view => studio.seenEnds(view)", view)
+    assert (seen["foot"], seen["top"], seen["scale"]) == ([530, 1200], 200, pytest.approx(0.01))
+    same, moved, larger, turned = (
+        page.evaluate("([view, photo]) => studio.arrangedAnew(view, photo)", [view, {"yaw": 90, **photo}])
+        for photo in (
+            {"foot": [530, 1200], "top": 200},
+            {"foot": [430, 1250], "top": 250},
+            {"foot": [530, 1200], "top": 700},
+            {"foot": [530, 1200], "top": 200, "yaw": 180},
+        )
+    )
+    assert same == {"scale": 1, "aside": 0, "up": 0, "turn": 0}
+    assert moved == {"scale": 1, "aside": pytest.approx(1.0), "up": pytest.approx(0.5), "turn": 0}
+    assert (larger["scale"], larger["up"]) == (2, 0)
+    assert turned["turn"] == pytest.approx(math.pi / 2)
+    told = page.evaluate(
+        """() => {
+            const told = [];
+            const stop = studio.onArranged((photos) => told.push(photos));
+            board.setTool({mode: "arrange", name: "move"});
+            const marks = {foot: [150, 280], top: 20, seeds: []};
+            board.setState({photos: [{...board.state.photos[0], marks}]});
+            const drag = board.begin([board.arrange.axes[0], board.arrange.lines.top + 30]);
+            for (const step of [1, 2, 3]) {
+                drag.move([[board.arrange.axes[0] - 13 * step, board.arrange.lines.top + 30]]);
+            }
+            board.cancel(drag);
+            stop();
+            return told.map(([photo]) => photo);
+        }"""
+    )
+    assert told[-1]["foot"] == told[-5]["foot"] == [150, 280], "back where it was"
+    asides = [photo["foot"][0] for photo in told[-4:-1]]
+    assert asides == sorted(asides)
+    assert asides[0] > 151, "every step of the drag is told"

@@ -173,6 +173,18 @@ def test_drawn_strokes_leave_camera_and_volume_alone(pair, made, cache):
     assert drawn.graphs[0] is not made.graphs[0]
 
 
+def test_strokes_beside_marks_in_one_file_leave_camera_and_volume_alone(pair, cache, tmp_path):
+    def run(strokes):
+        file = _write(tmp_path, {"strokes": strokes, "foot": [81, 192]})
+        return reconstruct(pair, height=HEIGHT, params=SMALL, strokes=[file], cache=cache)
+
+    first, again = run([]), run([{"points": [[80.0, 150.0], [120.0, 100.0]]}])
+    assert again.cameras[0].foot == (81.0, 192.0)
+    assert again.volume is first.volume
+    assert again.graphs[0] is not first.graphs[0]
+    assert again.graphs[1] is first.graphs[1]
+
+
 @pytest.mark.parametrize(
     ("marks", "message"),
     [

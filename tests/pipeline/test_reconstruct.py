@@ -17,6 +17,7 @@ from flowtree.model.edit import PaintedEdit
 from flowtree.model.photo import Photo
 from flowtree.params import Params
 from flowtree.photos.load_photo import load_photo
+from flowtree.photos.read_picks import Picks
 from flowtree.pipeline.build_report import report_bytes
 from flowtree.pipeline.cache import StageCache
 from flowtree.pipeline.photo_steps import run_matting, run_painting, run_preparing, run_strokes
@@ -233,8 +234,26 @@ def test_the_public_name_is_the_function():
 def test_what_matting_prepares_serves_an_equal_photo(pair):
     photo = replace(load_photo(pair[0]), alpha=None)
     job = Job(Params(), 0, None)
-    prepared = run_preparing(job, photo, None)
+    prepared = run_preparing(job, photo, None, Picks())
     again = replace(photo, rgb=photo.rgb.copy())
-    ours = run_matting(job, again, prepared, None, None)
-    assert (ours.alpha == run_matting(job, photo, None, None, None).alpha).all()
-    assert run_preparing(job, replace(photo, alpha=np.ones(photo.rgb.shape[:2], np.float32)), None) is None
+    ours = run_matting(job, again, prepared, None, None, Picks())
+    assert (ours.alpha == run_matting(job, photo, None, None, None, Picks()).alpha).all()
+    cut = replace(photo, alpha=np.ones(photo.rgb.shape[:2], np.float32))
+    assert run_preparing(job, cut, None, Picks()) is None
+
+
+def test_colours_picked_on_a_photo_are_that_photos_alone(pair, made, cache, tmp_path):
+    opaque = [replace(load_photo(file), alpha=None) for file in pair]
+    file = tmp_path / "picks.json"
+    file.write_text(json.dumps({"strokes": [], "tree_colors": ["#5b4632"], "background_colors": ["#3c8c28"]}))
+    cuts = []
+
+    def note(stage, values):
+        if stage == "matting":
+            cuts.append(values["raw_cut"])
+
+    for scribbles in (None, [file]):
+        reconstruct(opaque, height=6.0, params=SMALL, scribbles=scribbles, cache=cache, made=note)
+    plain, picked = cuts
+    assert picked[0].alpha.sum() < 0.6 * plain[0].alpha.sum(), "leaves are background there"
+    assert picked[1] is plain[1]

@@ -233,7 +233,12 @@ def test_a_judgement_that_comes_out_the_same_changes_nothing_behind_it():
 
     stages = (
         Stage(
-            "judge", lambda job: note("judge", job.params.flow.step < 0.05), (), ("slow",), params=("flow",)
+            "judge",
+            lambda job: note("judge", job.params.flow.step < 0.05),
+            (),
+            ("slow",),
+            params=("flow",),
+            by_content=True,
         ),
         Stage("draw", lambda job, slow: note("draw", int(slow)), ("slow",), ("drawn",)),
     )
@@ -242,3 +247,26 @@ def test_a_judgement_that_comes_out_the_same_changes_nothing_behind_it():
         job = Job(override_params(Params(), [f"flow.step={step}"]), 0, "cpu")
         assert run_stages(stages, {}, job, views=1, cache=cache).values["drawn"] == drawn
     assert ran == ["judge", "draw", "judge", "judge", "draw"]
+
+
+def test_a_twin_shares_its_stages_results():
+    ran = []
+
+    def double(job, number):
+        ran.append(number)
+        return 2 * number
+
+    stages = (
+        Stage("double", double, ("painted",), ("doubled",)),
+        Stage("plain double", double, ("bare",), ("plain_doubled",), same_as="double"),
+    )
+    cache, job = StageCache(), Job(Params(), 0, "cpu")
+    told = []
+    for painted, made, again in ((3, (6, 6), [3]), (4, (8, 6), [4])):
+        ran.clear()
+        sources = {"painted": painted, "bare": 3}
+        run = run_stages(stages, sources, job, views=1, cache=cache, made=lambda stage, _: told.append(stage))
+        assert (run.values["doubled"], run.values["plain_doubled"]) == made
+        assert list(run.seconds) == ["double", "plain double"]
+        assert ran == again
+    assert sorted(told) == 2 * ["double"] + 2 * ["plain double"]

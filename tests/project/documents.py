@@ -52,6 +52,7 @@ COMMANDS = st.one_of(
     st.builds(do.SetSeeds, _photo, _points(0)),
     st.builds(do.AddScribble, _photo, st.sampled_from(["tree", "background", "unknown"]), _width, _points(1)),
     st.builds(do.RemoveScribbles, _photo, st.just((0,))),
+    st.builds(do.SetColors, _photo, st.just(("#3a5f0b",)), st.sampled_from([(), ("#8FB5e0", "#aabbcc")])),
     st.builds(do.AddStroke, _photo, _points(2), st.none() | _width, st.booleans()),
     st.builds(do.ReplaceStroke, _photo, st.just(0), _points(2)),
     st.builds(do.RemoveStrokes, _photo, st.just((0,))),

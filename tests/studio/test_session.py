@@ -149,6 +149,26 @@ def test_variants_come_one_by_one_and_the_chosen_one_is_there_already(studio):
         session.variants([])
 
 
+def test_an_edit_does_not_end_the_variants_that_are_awaited(studio):
+    session, ear = studio
+    since = len(ear.events)
+    session.variants((41, 42, 43))
+    ear.wait(lambda event: event.get("name") == "variant/41", since)
+    session.apply(do.SetSeed(41))
+    for seed in (42, 43):
+        ear.wait(lambda event, seed=seed: event.get("name") == f"variant/{seed}", since)
+    ear.end("variants", since)
+    told = [event["name"] for event in ear.events[since:] if event.get("name", "").startswith("variant/")]
+    assert told == ["variant/41", "variant/42", "variant/43"]
+    session.variants((51, 52))
+    session.cancel()
+    ear.word("cancelled", since)
+    since = len(ear.events)
+    session.apply(do.SetSeed(0))
+    ear.end("tree", since)
+    assert not session.busy, "what was cancelled is not made by the next edit"
+
+
 def test_cancelling_ends_what_runs_and_the_next_change_goes_on(studio):
     session, ear = studio
     since = len(ear.events)

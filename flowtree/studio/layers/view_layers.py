@@ -84,6 +84,7 @@ def _view(number: int, photo: Photo, placement: Placement, mirrored: bool) -> di
         "eye": camera.eye,
         "width": camera.width,
         "height": camera.height,
+        "frame": [size / photo.scale for size in reversed(photo.rgb.shape[:2])],
         "warp": (np.diag([1.0 / photo.scale, 1.0 / photo.scale, 1.0]) @ _warp(placement)).tolist(),
         "placed": {
             f"{name}_row" if name in rows else name: estimate.value / (photo.scale if name in rows else 1.0)

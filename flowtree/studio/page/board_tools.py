@@ -8,6 +8,7 @@ from nicegui import ui
 
 from flowtree.studio.page.choices import Choice, ChoiceRow, quiet_tip
 from flowtree.studio.page.components import PhotoBoard
+from flowtree.studio.page.swatches import Swatches
 from flowtree.studio.page.workbench import Mode, Workbench
 
 _MODES = (
@@ -18,29 +19,32 @@ _MODES = (
 )
 _TOOLS = {
     "matte": (
-        Choice("tree", "", "Tree", tip="Scribble on the tree", color="#59c36a"),
-        Choice("background", "", "Background", tip="Scribble beside the tree", color="#f0506e"),
-        Choice("unknown", "", "Mixed", tip="Scribble where it is mixed", color="#b9a7e6"),
+        Choice("tree", "", "Tree", tip="Scribble where the tree is missing", color="#59c36a"),
+        Choice("background", "", "Not tree", tip="Scribble on what is not the tree", color="#f0506e"),
+        Choice("unknown", "", "Mixed", tip="Scribble where leaves and sky mix", color="#b9a7e6"),
         Choice("occluder", "", "In front", tip="Scribble on what stands before the tree", color="#4aa3ff"),
         Choice("erase", "sym_o_ink_eraser", "Erase", tip="Take scribbles away (E)"),
-        Choice("pick-tree", "colorize", "Tree colour", tip="Pick a colour of the tree"),
+        Choice("pick-tree", "colorize", "Tree colour", tip="Click a colour of the tree"),
         Choice(
-            "pick-background", "format_color_fill", "Background colour", tip="Pick a colour of the background"
+            "pick-background",
+            "format_color_fill",
+            "Other colour",
+            tip="Click a colour that is not the tree's",
         ),
     ),
     "branches": (
-        Choice("pen", "timeline", "Snapping pen", tip="Draw a branch; the line snaps to the picture"),
+        Choice("pen", "timeline", "Snapping pen", tip="Draw along a branch; the line snaps to it"),
         Choice("free", "edit", "Free pen", tip="Draw a branch freely"),
         Choice("brush", "brush", "Brush", tip="Draw a branch as thick as the brush"),
         Choice("erase", "sym_o_ink_eraser", "Erase", tip="Take drawn branches away (E)"),
-        Choice("tips", "scatter_plot", "Tips", tip="Tips of branches: set, drag, tap to remove"),
-        Choice("marks", "place", "Foot, top, fork", tip="Drag foot, top and first fork"),
+        Choice("tips", "scatter_plot", "Tips", tip="Tips of branches: click to set, drag, click to remove"),
+        Choice("marks", "place", "Foot, top, fork", tip="Drag the foot, the top and the first fork"),
     ),
     "density": (
-        Choice("add", "add", "Leaves", tip="Paint leaves in", color="#7ddc6f"),
-        Choice("erase", "remove", "Erase", tip="Paint them out (E)", color="#ff6b57"),
+        Choice("add", "add", "Leaves", tip="Paint where leaves shall grow", color="#7ddc6f"),
+        Choice("erase", "remove", "Thin out", tip="Paint where none shall grow (E)", color="#ff6b57"),
         Choice("direct", "north_east", "Flow", tip="Draw the way branches shall flow", color="#ffd166"),
-        Choice("undo", "sym_o_ink_eraser", "Take away", tip="Take painted strokes away"),
+        Choice("undo", "sym_o_ink_eraser", "Take away", tip="Take painted strokes away again"),
     ),
 }
 _SIZED = {"tree", "background", "unknown", "occluder", "brush", "add"}
@@ -51,6 +55,7 @@ _SHOWS = (
     Choice("grey", "", "Alpha", "The matte itself"),
     Choice("split", "", "Compare", "Before and after, with a line to drag"),
 )
+_ARRANGE = "Drag and scale the photos: foot and top of the tree belong on the lines"
 _RANGE = 0.05, 25.0  # of the brush's size [% of the photo's height]
 
 
@@ -112,12 +117,15 @@ class BoardTools:
 
     def build_views(self) -> None:
         """The ways to show a matte, and the graph's switch, over the board."""
+        self._hint = ui.label().classes("board-hint")
+        self._swatches = Swatches(self.bench)
         with ui.element("div").classes("floating bottom"):
             self._shows = ChoiceRow(_SHOWS, self.choose_show, chosen=("overlay",))
             graph = Choice("graph", "account_tree", "Attractor graph", "The branches that were found")
             self._graph = ChoiceRow((graph,), lambda _: self._switch_graph(), chosen=("graph",))
         self._graph_on = True
         self.bench.watch(self._show_views)
+        self.bench.watch(self._show_hint)
 
     def choose_mode(self, mode: str) -> None:
         """Another kind of work."""
@@ -146,6 +154,10 @@ class BoardTools:
         now = self.shown.get(self.bench.mode)
         if now is not None:
             self.choose_show(names[(names.index(now) + 1) % len(names)])
+
+    def pick(self, name: str, color: str) -> None:
+        """A colour picked on the photo, with the tool of that name."""
+        self._swatches.pick("tree_colors" if name == "pick-tree" else "background_colors", color)
 
     def erase(self) -> None:
         """The tool that takes away."""
@@ -201,6 +213,12 @@ class BoardTools:
             self._shows.show(shown)
             self.how(show=shown)
         self._graph.hide(self.bench.mode != "branches")
+
+    def _show_hint(self) -> None:
+        """What to do with the tool, for whoever has not used it before."""
+        tips = {choice.name: choice.tip for choice in _TOOLS.get(self.bench.mode, ())}
+        self._hint.set_text(tips.get(self.tool[self.bench.mode], _ARRANGE).removesuffix(" (E)"))
+        self._hint.set_visibility(bool(self.bench.state["photos"]))
 
     def _switch_graph(self) -> None:
         self._graph_on = not self._graph_on

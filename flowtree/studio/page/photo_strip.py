@@ -8,6 +8,7 @@ from flowtree.studio.page.choices import quiet_tip
 from flowtree.studio.page.workbench import Workbench
 
 PHOTO_KINDS = "image/*"
+_ATTACHED = {"mattes": "matte", "trimaps": "trimap"}  # others are called what their kind is
 
 
 class PhotoStrip:
@@ -35,7 +36,7 @@ class PhotoStrip:
         """Builds the row anew where something of it changed."""
         photos = self.bench.state["photos"]
         wanted = (
-            [(photo["name"], photo["yaw"]) for photo in photos],
+            [(photo["name"], photo["yaw"], photo["attached"]) for photo in photos],
             self.bench.photo,
             dict(self._pictures),
             dict(self.likeness),
@@ -46,7 +47,7 @@ class PhotoStrip:
         self._strip.clear()
         with self._strip:
             for number, photo in enumerate(photos):
-                self._tile(number, photo["name"], photo["yaw"])
+                self._tile(number, photo["name"], photo["yaw"], photo["attached"])
             with (
                 ui.element("div")
                 .classes("photo-tile add")
@@ -55,7 +56,17 @@ class PhotoStrip:
                 ui.icon("add_photo_alternate")
                 ui.label("Add photo")
 
-    def _tile(self, number: int, name: str, yaw: float) -> None:
+    def _attached(self, number: int, kind: str) -> None:
+        """A file that came with the photo, in whose place nothing can be drawn."""
+        word = _ATTACHED.get(kind, kind)
+        tag = ui.element("button").classes("photo-attached").mark(f"attached-{kind}")
+        tag.on("click.stop", lambda: self.bench.do("RemoveAttached", photo=number, kind=kind))
+        with tag:
+            ui.label(word)
+            ui.icon("close")
+            quiet_tip(f"A file ({word}) came with this photo and counts here. Take it away to draw yourself")
+
+    def _tile(self, number: int, name: str, yaw: float, attached: list[str]) -> None:
         chosen = " chosen" if number == self.bench.photo else ""
         tile = (
             ui.element("div")
@@ -73,6 +84,8 @@ class PhotoStrip:
                 if number in self.likeness:
                     with ui.label(f"{100 * self.likeness[number]:.0f} % alike").classes("photo-like"):
                         quiet_tip("How much of the tree's outline is the photo's (soft IoU)")
+            for kind in attached:
+                self._attached(number, kind)
             remove = (
                 ui.button(icon="close", color=None)
                 .props('flat dense aria-label="Remove photo"')

@@ -6,6 +6,8 @@ from typing import Any
 
 from nicegui import ui
 
+from flowtree.studio.page.growing_card import GrowingCard
+from flowtree.studio.page.stage_words import stage_words
 from flowtree.studio.page.workbench import Workbench
 
 _JOBS = {
@@ -14,13 +16,16 @@ _JOBS = {
     "variants": "Growing variants",
     "export": "Writing the file",
 }
+_CUT = 0.3  # share of the matte's work before a tree's
 
 
 class StatusLine:
     """Progress at the left, figures at the right."""
 
-    def __init__(self, bench: Workbench) -> None:
+    def __init__(self, bench: Workbench, growing: GrowingCard) -> None:
         self.bench = bench
+        self.growing = growing
+        self._cut = 0.0
         self._size = ""
         self._report: dict[str, Any] = {}
         with ui.element("footer").classes("status"):
@@ -40,10 +45,17 @@ class StatusLine:
 
     def progress(self, job: str, stage: str, share: float) -> None:
         """What is done now, and how much of it is behind."""
-        words = _JOBS.get(job, job)
-        self._text.set_text(f"{words}: {stage}" if stage else words)
+        words = f"{_JOBS[job]}: {stage_words(stage)}" if stage else _JOBS[job]
+        if job == "matte":
+            self._cut = _CUT
+            share *= _CUT
+        elif job == "tree":
+            share = self._cut + (1.0 - self._cut) * share
+        self._text.set_text(words)
         self._share.style(f"width:{100 * share:.0f}%")
         self._state("busy")
+        if job in ("matte", "tree"):
+            self.growing.progress(words, share)
 
     def rest(self, text: str) -> None:
         """Nothing is done now."""
@@ -55,10 +67,11 @@ class StatusLine:
         self._text.set_text(text)
         self._state("stopped")
 
-    def failed(self, text: str) -> None:
-        """It went wrong."""
+    def failed(self, text: str, message: str) -> None:
+        """It went wrong, and why."""
         self._text.set_text(text)
         self._state("failed")
+        self.growing.failed(message)
 
     def size(self, height: float, width: float) -> None:
         """How large the tree is [m], as it is seen."""
@@ -83,6 +96,8 @@ class StatusLine:
         self._figures.set_text("  ·  ".join(part for part in parts if part))
 
     def _state(self, state: str) -> None:
+        if state != "busy":
+            self._cut = 0.0
         self._dot.classes(replace=f"state-dot {state}")
         self._bar.set_visibility(state == "busy")
         self._cancel.set_visibility(state == "busy")

@@ -13,6 +13,7 @@ from nicegui import Client, ui
 from flowtree.studio.page.board_tools import BoardTools
 from flowtree.studio.page.components import STATIC, PhotoBoard, TreeViewer
 from flowtree.studio.page.export_dialog import ExportDialog
+from flowtree.studio.page.growing_card import GrowingCard
 from flowtree.studio.page.help_overlay import HelpOverlay
 from flowtree.studio.page.photo_strip import PhotoStrip
 from flowtree.studio.page.shape_panel import ShapePanel
@@ -24,6 +25,7 @@ from flowtree.studio.page.workbench import Workbench
 
 _BOARD_LAYERS = ("photo/", "matte/", "cost/", "graph/", "cameras")
 _VIEWER_LAYERS = ("cameras", "straight/", "voxels", "field", "flow", "skeleton", "coarse.glb", "tree.glb")
+_LOOK = ("page", "controls", "board", "panels", "fields", "over", "narrow")  # later ones count more
 Kind = Literal["bad", "info", "good"]
 _ICONS = {"bad": "error_outline", "info": "info_outline", "good": "check"}
 _GROW = 1.15  # a brush by one press of a bracket
@@ -36,7 +38,8 @@ class StudioPage:
         self.bench = bench
         self.client = client
         self.loop = asyncio.get_running_loop()
-        ui.add_css(STATIC / "studio.css")
+        for part in _LOOK:
+            ui.add_css(STATIC / f"{part}.css")
         self.help = HelpOverlay()
         self.export = ExportDialog(bench)
         with ui.element("div").classes("studio"):
@@ -64,13 +67,15 @@ class StudioPage:
                 with frame:
                     self.views.build_icons()
                     self.views.build_cameras()
+                    growing = GrowingCard(bench)
             self.shape = ShapePanel(bench)
-            self.status = StatusLine(bench)
+            self.status = StatusLine(bench, growing)
             StartScreen(bench)
         self.viewer.on("shown", lambda event: self.status.size(event.args["height"], event.args["width"]))
+        self.viewer.on("shown", growing.grown)
         self.board.on("command", lambda event: bench.send(event.args["command"], event.args["number"]))
         self.board.on("activate", lambda event: bench.choose(photo=int(event.args)))
-        self.board.on("pick", lambda event: self._pick(**event.args))
+        self.board.on("pick", lambda event: self.tools.pick(**event.args))
         self.board.on("action", lambda event: self._act(str(event.args)))
         self.board.on("problem", lambda event: self.tell(str(event.args)))
         bench.on_problem(self.tell)
@@ -140,10 +145,12 @@ class StudioPage:
 
     def _on_cancelled(self, event: dict[str, Any]) -> None:
         self.status.stopped("Stopped")
+        self.shape.variants.give_up()
         self.export.failed()
 
     def _on_failed(self, event: dict[str, Any]) -> None:
-        self.status.failed("This did not work")
+        self.status.failed("This did not work", event["message"])
+        self.shape.variants.give_up()
         self.export.failed()
         self.tell(event["message"])
 
@@ -186,12 +193,6 @@ class StudioPage:
             number: view["soft_iou"] for number, view in enumerate(views) if view.get("soft_iou") is not None
         }
         self.strip.set_likeness(likeness)
-
-    def _pick(self, name: str, color: str) -> None:
-        """A colour picked on the photo: of the tree, or beside it."""
-        kind = "foreground_colors" if name == "pick-tree" else "background_colors"
-        colors = [*self.bench.state["params"]["matting"][kind], color]
-        self.bench.do("SetParam", name=f"matting.{kind}", value=colors)
 
     def _act(self, action: str) -> None:
         """What a key asked for."""

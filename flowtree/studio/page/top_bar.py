@@ -28,18 +28,18 @@ class TopBar:
             self._undo = self._step("undo", lambda: bench.call(bench.session.undo))
             self._redo = self._step("redo", lambda: bench.call(bench.session.redo))
             ui.element("div").classes("gap")
-            icon_button("keyboard", "Keys and help (H)", on_help)
+            icon_button("help_outline", "Help, and all keys (H)", on_help)
             icon_button("contrast", "Light or dark", self._turn_light)
             icon_button("tune", "Show or hide the panel of shapes", self._fold, classes="fold-shape")
-            ui.button("Export", on_click=on_export, color=None).props("unelevated no-caps dense").classes(
-                "primary"
-            ).mark("export")
+            self._export = ui.button("Export", on_click=on_export, color=None)
+            self._export.props("unelevated no-caps dense").classes("primary").mark("export")
         bench.watch(self.show)
 
     def show(self) -> None:
         """Shows the project's name and what can be undone."""
         state = self.bench.state
         self._name.set_text(state["name"])
+        self._export.set_enabled(bool(state["photos"]))
         lost = self.bench.unsaved
         self._saved.set_text("not saved" if lost else "saved" if state["saved"] else "saving …")
         self._saved.classes(add="bad" if lost else "", remove="" if lost else "bad")

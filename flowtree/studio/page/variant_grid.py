@@ -47,6 +47,11 @@ class VariantGrid:
             self.seeds = sorted([*self.seeds, seed])[-_COUNT:]
         self.show()
 
+    def give_up(self) -> None:
+        """Nobody makes those any more that have no picture yet."""
+        self.seeds = [seed for seed in self.seeds if seed in self._urls]
+        self.show()
+
     def show(self) -> None:
         """Builds the grid anew where something of it changed."""
         seed = int(self.bench.state["seed"])

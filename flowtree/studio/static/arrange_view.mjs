@@ -82,6 +82,15 @@ export class ArrangeView {
     return this.command(this.active);
   }
 
+  /** Foot and top of every photo as it stands now, and its yaw. */
+  arranged(photos) {
+    return photos.slice(0, this.placed.length).map(({ yaw }, i) => {
+      const round = (value) => Math.round(value * 100) / 100;
+      const { foot, top } = marksAt(this.placed[i], this.lines, this.axes[i]);
+      return { yaw, foot: foot.map(round), top: round(top) };
+    });
+  }
+
   command(photo) {
     const { foot, top } = marksAt(this.placed[photo], this.lines, this.axes[photo]);
     const [[x, y]] = tidy([foot]);

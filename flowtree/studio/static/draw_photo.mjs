@@ -1,10 +1,11 @@
 /** One photo on the board: the picture, its matte in one of several ways, its attractor graph, its marks. */
 
+import { seenEnds } from "flowtree-studio/arranging.mjs";
 import { drawHandle, drawStrokes, drawWire } from "flowtree-studio/ink.mjs";
 
 /** The marks of a photo: those given, else those that were found, in its pixels. */
 export function marksOf(photo, camera) {
-  const found = foundMarks(camera);
+  const found = camera && seenEnds(camera);
   const marks = {};
   const foot = photo.marks.foot ?? found?.foot;
   const top = photo.marks.top ?? found?.top;
@@ -15,18 +16,6 @@ export function marksOf(photo, camera) {
   if (photo.marks.fork) marks.fork = { at: photo.marks.fork, given: true };
   else if (foot && top != null) marks.fork = { at: [foot[0], foot[1] + 0.3 * (top - foot[1])], given: false };
   return marks;
-}
-
-/** Foot and top as the server found them; nothing before it has looked. */
-function foundMarks(camera) {
-  if (!camera) return null;
-  const [m, [px, py]] = [camera.warp, camera.foot];
-  const w = m[2][0] * px + m[2][1] * py + m[2][2];
-  const foot = [
-    (m[0][0] * px + m[0][1] * py + m[0][2]) / w,
-    (m[1][0] * px + m[1][1] * py + m[1][2]) / w,
-  ];
-  return { foot, top: camera.placed.top_row };
 }
 
 /** Foot and top to arrange a photo by, also before anything was found. */

@@ -2,33 +2,42 @@
  * What a pen does on one photo: each gesture begins where it goes down, grows with it, is drawn at pointer rate,
  * and ends as one command for the project (or none).
  *
- * A gesture has `move(points)`, `draw(context, pixel)` and `finish()`; points are pixels of the photo, `pixel` is a
- * screen pixel in them.
+ * A gesture has `move(points)`, `draw(context, pixel)` and `finish()`; points are pixels of the photo, with the pen's force
+ * behind them, `pixel` is a screen pixel in them.
  */
 
 import { BRANCH_COLOR, LABEL_COLORS, PAINT_COLORS, drawLine, drawPaint, drawWire } from "flowtree-studio/ink.mjs";
 import { pick, simplify, smooth, tidy } from "flowtree-studio/lines.mjs";
 import { Livewire } from "flowtree-studio/livewire.mjs";
+import { Force, strengthAt, widthAt } from "flowtree-studio/pressure.mjs";
 
-/** A line of some width: scribbles, painted density, broad branches, free lines. */
+/** A line of some width, or some strength: scribbles, painted density, broad branches, free lines. */
 class Brush {
+  /**
+   * @param {(context: object, points: [number, number][], pixel: number, force: number) => void} show
+   * @param {(points: [number, number][], force: number) => object | null} command
+   */
   constructor(start, pixel, show, command) {
-    this.points = [start];
+    this.points = [[start[0], start[1]]];
+    this.force = new Force(start);
     this.pixel = pixel;
     this.show = show;
     this.command = command;
   }
 
   move(points) {
-    this.points.push(...points);
+    for (const point of points) {
+      this.points.push([point[0], point[1]]);
+      this.force.add(point);
+    }
   }
 
   draw(context, pixel) {
-    this.show(context, this.points, pixel);
+    this.show(context, this.points, pixel, this.force.mean);
   }
 
   finish() {
-    return this.command(tidy(simplify(smooth(this.points), 0.4 * this.pixel)));
+    return this.command(tidy(simplify(smooth(this.points), 0.4 * this.pixel)), this.force.mean);
   }
 }
 
@@ -36,14 +45,15 @@ class Brush {
 class Wire {
   constructor(start, pixel, grid, scale, command) {
     this.wire = new Livewire(grid, scale);
-    this.wire.start(start);
+    this.wire.start([start[0], start[1]]);
     this.pixel = pixel;
-    this.points = [start];
+    this.points = [[start[0], start[1]]];
     this.command = command;
   }
 
   move(points) {
-    this.points = this.wire.follow(points[points.length - 1]);
+    const [x, y] = points[points.length - 1];
+    this.points = this.wire.follow([x, y]);
   }
 
   draw(context, pixel) {
@@ -87,14 +97,14 @@ class Eraser {
 /** Moves one place: the foot, the top, the fork, a tip. */
 class Move {
   constructor(start, show, command) {
-    this.start = start;
-    this.point = start;
+    this.start = this.point = [start[0], start[1]];
     this.show = show;
     this.command = command;
   }
 
   move(points) {
-    this.point = points[points.length - 1];
+    const [x, y] = points[points.length - 1];
+    this.point = [x, y];
   }
 
   draw(context, pixel) {
@@ -113,7 +123,7 @@ class Move {
  * @param {object} tool {mode, name, size [photo pixels], softness, strength, snap}
  * @param {object} photo as the project's state describes it
  * @param {number} number of the photo
- * @param {[number, number]} start
+ * @param {[number, number, number?]} start with the pen's force, where it is known
  * @param {number} pixel a screen pixel in photo pixels
  * @param {{cost: object | null, marks: object, drawMark: Function}} around what the board knows besides
  * @returns a gesture, or null where the tool does nothing
@@ -135,11 +145,14 @@ export function beginGesture(tool, photo, number, start, pixel, around) {
       const remove = (indices) => ({ command: "RemovePaint", ...about, indices });
       return new Eraser(start, photo.paint, 6 * pixel, remove);
     }
-    const { size: width, softness, strength } = tool;
-    const layer = { kind: tool.name, width, softness, strength };
-    const show = (context, points, now) => drawPaint(context, { ...layer, points }, now);
-    return new Brush(start, pixel, show, (points) =>
-      tool.name === "direct" && points.length < 2 ? null : { command: "AddPaint", ...about, ...layer, points },
+    const { size: width, softness } = tool;
+    const layer = (points, force) => {
+      const strength = tool.name === "direct" ? tool.strength : strengthAt(force, tool.strength);
+      return { kind: tool.name, width, softness, strength: Math.round(strength * 100) / 100, points };
+    };
+    const show = (context, points, now, force) => drawPaint(context, layer(points, force), now);
+    return new Brush(start, pixel, show, (points, force) =>
+      tool.name === "direct" && points.length < 2 ? null : { command: "AddPaint", ...about, ...layer(points, force) },
     );
   }
   if (tool.mode === "branches") return beginBranch(tool, photo, about, start, pixel, around);
@@ -161,8 +174,10 @@ function beginBranch(tool, photo, about, start, pixel, { cost, marks, drawMark }
     return new Brush(start, pixel, show, stroke(null, false));
   }
   if (tool.name === "brush") {
-    const show = (context, points) => drawLine(context, points, BRANCH_COLOR, tool.size, 0.6);
-    return new Brush(start, pixel, show, stroke(tool.size, false));
+    const show = (context, points, _, force) => drawLine(context, points, BRANCH_COLOR, widthAt(force, tool.size), 0.6);
+    return new Brush(start, pixel, show, (points, force) =>
+      stroke(Math.round(widthAt(force, tool.size) * 10) / 10, false)(points),
+    );
   }
   if (tool.name === "tips") return beginTip(photo, about, start, pixel, drawMark);
   if (tool.name === "marks") {

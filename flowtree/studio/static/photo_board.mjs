@@ -1,18 +1,16 @@
 /**
- * The photo board: all photos to be arranged, or one to draw on.
- *
- * Two canvases lie on each other: the lower holds what is settled and is drawn anew when something of it changes;
- * the upper holds what the pen is just drawing and is drawn at pointer rate. A finished stroke stays on show until
- * the project says that it has it.
+ * The photo board: all photos to be arranged, or one to draw on. A finished stroke stays on show until the project
+ * says that it has it.
  */
 
 import { ArrangeView } from "flowtree-studio/arrange_view.mjs";
+import { tellArranged } from "flowtree-studio/arranging.mjs";
+import { BoardCanvas } from "flowtree-studio/board_canvas.mjs";
 import { BoardLayers } from "flowtree-studio/board_layers.mjs";
 import { Compass } from "flowtree-studio/compass.mjs";
-import { drawMark, drawPhoto, marksOf } from "flowtree-studio/draw_photo.mjs";
+import { drawMark, marksOf } from "flowtree-studio/draw_photo.mjs";
 import { foresee } from "flowtree-studio/foresee.mjs";
 import { beginGesture } from "flowtree-studio/gestures.mjs";
-import { drawRing, hasSize } from "flowtree-studio/ink.mjs";
 import { PanZoom } from "flowtree-studio/pan_zoom.mjs";
 import { colorAt } from "flowtree-studio/pictures.mjs";
 import { watchPointers } from "flowtree-studio/pointers.mjs";
@@ -28,9 +26,7 @@ export class PhotoBoard {
     this.emit = emit;
     this.host = host;
     host.classList.add("photo-board");
-    this.base = host.appendChild(document.createElement("canvas"));
-    this.ink = host.appendChild(document.createElement("canvas"));
-    this.ink.tabIndex = 0;
+    this.canvas = new BoardCanvas(this);
     this.state = EMPTY;
     this.pending = []; // [number, command]: on their way to the project
     this.sent = 0;
@@ -42,11 +38,12 @@ export class PhotoBoard {
     this.how = { show: "overlay", split: 0.5, graphShown: true, stacked: false, cutout: false };
     this.photo = 0;
     this.transforms = new Map(); // of each photo
+    this.moved = new Set(); // photos that somebody has panned or zoomed
     this.arrange = new ArrangeView();
     this.compass = new Compass(host, (photo, yaw, gesture) => {
       this.#send({ command: "SetYaw", photo, yaw, gesture });
     });
-    this.pointers = watchPointers(this.ink, this);
+    this.pointers = watchPointers(this.canvas.ink, this);
     new ResizeObserver(() => this.#resize()).observe(host);
     this.#resize();
   }
@@ -94,6 +91,7 @@ export class PhotoBoard {
   /** The whole photo in the frame. */
   frame() {
     this.transforms.delete(this.photo);
+    this.moved.delete(this.photo);
     this.#lay();
     this.refresh();
   }
@@ -115,14 +113,14 @@ export class PhotoBoard {
     if (!this.transforms.has(this.photo)) {
       const { width, height } = this.state.photos[this.photo];
       const made = new PanZoom();
-      made.fit(width, height, this.width, this.height);
+      made.fit(width, height, this.canvas.width, this.canvas.height);
       this.transforms.set(this.photo, made);
     }
     return this.transforms.get(this.photo);
   }
 
-  /** A gesture of the active tool, or null. */
-  begin(at) {
+  /** A gesture of the active tool, or of the eraser; or null. */
+  begin(at, rubs = false) {
     if (this.state.photos.length === 0) return null;
     if (!this.single) {
       const drag = this.arrange.begin(at);
@@ -131,9 +129,15 @@ export class PhotoBoard {
         this.emit("activate", this.photo);
       }
       this.refresh();
-      return drag && { ...drag, move: (points) => { drag.move(points[points.length - 1]); this.refresh(); } };
+      const move = (points) => {
+        drag.move(points[points.length - 1]);
+        this.#tell();
+        this.refresh();
+      };
+      return drag && { ...drag, move };
     }
-    const start = this.transform.toPicture(at);
+    const toPhoto = ([x, y, force]) => [...this.transform.toPicture([x, y]), force];
+    const start = toPhoto(at);
     const pixel = 1 / this.transform.scale;
     const photo = this.state.photos[this.photo];
     const divider = this.#beginDivider(start, pixel);
@@ -142,12 +146,12 @@ export class PhotoBoard {
       this.#pickColor(start);
       return null;
     }
-    const gesture = beginGesture(this.#sized(), photo, this.photo, start, pixel, {
+    const gesture = beginGesture({ ...this.sized(), ...(rubs && { name: "erase" }) }, photo, this.photo, start, pixel, {
       cost: this.layers.cost(this.photo),
       marks: marksOf(photo, this.layers.cameras[this.photo]),
       drawMark: (context, name, point, now) => drawMark(context, name, point, now, true, photo.width, true),
     });
-    return gesture && { ...bound(gesture), move: (points) => gesture.move(points.map((p) => this.transform.toPicture(p))) };
+    return gesture && { ...bound(gesture), move: (points) => gesture.move(points.map(toPhoto)) };
   }
 
   finish(gesture) {
@@ -160,18 +164,21 @@ export class PhotoBoard {
   cancel(gesture) {
     gesture.undo?.();
     this.live = null;
+    this.#tell();
     this.refresh();
   }
 
   pan(dx, dy) {
     if (!this.single) return;
     this.transform.move(dx, dy);
+    this.moved.add(this.photo);
     this.refresh();
   }
 
   zoom(factor, at) {
     if (!this.single) return;
     this.transform.zoom(factor, at);
+    this.moved.add(this.photo);
     this.refresh();
   }
 
@@ -185,6 +192,7 @@ export class PhotoBoard {
     foresee(this.state.photos, command);
     this.pending.push([this.sent, command]);
     this.emit("command", { number: this.sent, command });
+    this.#tell();
     this.refresh();
   }
 
@@ -209,102 +217,46 @@ export class PhotoBoard {
   }
 
   /** The tool with its size in the photo's pixels. */
-  #sized() {
+  sized() {
     const { height } = this.state.photos[this.photo];
     return { ...this.tool, size: Math.max((this.tool.size / 100) * height, 0.5) };
   }
 
-  // Drawing ------------------------------------------------------------------------------------------------
+  // What is shown ------------------------------------------------------------------------------------------
 
   #resize() {
-    const { clientWidth, clientHeight } = this.host;
-    if (clientWidth === 0 || clientHeight === 0) return;
-    const shift = this.width ? [(clientWidth - this.width) / 2, (clientHeight - this.height) / 2] : [0, 0];
-    this.width = clientWidth;
-    this.height = clientHeight;
-    for (const transform of this.transforms.values()) transform.move(...shift);
-    this.density = window.devicePixelRatio || 1;
-    for (const canvas of [this.base, this.ink]) {
-      canvas.width = Math.round(clientWidth * this.density);
-      canvas.height = Math.round(clientHeight * this.density);
+    const shift = this.canvas.resize();
+    if (!shift) return;
+    for (const [photo, transform] of this.transforms) {
+      if (this.moved.has(photo)) transform.move(...shift);
+      else this.transforms.delete(photo); // all of it is shown, in whatever frame
     }
     this.#lay();
-    this.#draw();
+    this.canvas.draw();
   }
 
   #lay() {
-    if (!this.width || this.pointers?.busy) return;
-    this.arrange.update(this.state.photos, this.layers.cameras, this.width, this.height);
+    const { width, height } = this.canvas;
+    if (!width || this.pointers?.busy) return;
+    this.arrange.update(this.state.photos, this.layers.cameras, width, height);
+    this.#tell();
     this.compass.show(this.state.photos, this.photo);
     this.compass.svg.style.display = !this.single && this.state.photos.length ? "" : "none";
   }
 
+  /** Has the viewer stand as the photos do here. */
+  #tell() {
+    tellArranged(this.arrange.arranged(this.state.photos));
+  }
+
   /** Draws everything at the next frame. */
   refresh() {
-    this.waiting ??= requestAnimationFrame(() => {
-      this.waiting = null;
-      this.#draw();
-    });
+    this.canvas.refresh();
   }
 
-  #what(i) {
-    return { photo: this.state.photos[i], ...this.layers.of(i) };
-  }
-
-  #draw() {
-    if (!this.width) return;
-    const context = this.base.getContext("2d");
-    context.setTransform(this.density, 0, 0, this.density, 0, 0);
-    context.clearRect(0, 0, this.width, this.height);
-    const { photos } = this.state;
-    if (photos.length > 0 && !this.single) {
-      const style = getComputedStyle(this.host);
-      const colors = { accent: style.getPropertyValue("--accent").trim() || "#7fbf6a", line: "#ffd166" };
-      const frame = { width: this.width, height: this.height, colors, cutout: this.how.cutout };
-      this.arrange.draw(context, photos, (i) => this.#what(i), frame);
-    } else if (photos.length > 0) {
-      const what = this.#what(this.photo);
-      if (what.picture) {
-        this.#enter(context);
-        drawPhoto(context, what, { ...this.how, mode: this.tool.mode, tool: this.tool.name }, 1 / this.transform.scale);
-      }
-      if (this.tool.mode === "branches" && this.tool.name === "pen") {
-        this.layers.cost(this.photo); // there before the pen is
-      }
-    }
-    this.drawInk();
-  }
-
-  /** Has the context draw in the photo's pixels. */
-  #enter(context) {
-    const { scale, x, y } = this.transform;
-    context.setTransform(scale * this.density, 0, 0, scale * this.density, x * this.density, y * this.density);
-  }
-
-  /** Draws what the pen is doing: called for every movement of it. */
+  /** Draws what the pen is doing. */
   drawInk() {
-    const context = this.ink.getContext("2d");
-    context.setTransform(this.density, 0, 0, this.density, 0, 0);
-    context.clearRect(0, 0, this.width, this.height);
-    this.ink.style.cursor = this.#cursorStyle();
-    if (!this.single) return;
-    if (this.live?.draw) {
-      this.#enter(context);
-      this.live.draw(context, 1 / this.transform.scale);
-    }
-    if (this.cursor && hasSize(this.tool)) {
-      context.setTransform(this.density, 0, 0, this.density, 0, 0);
-      drawRing(context, this.cursor, (this.#sized().size * this.transform.scale) / 2, this.tool.name);
-    }
-  }
-
-  #cursorStyle() {
-    if (this.pointers.panning) return "grab";
-    if (!this.single) {
-      const found = this.cursor && this.arrange.find(this.cursor);
-      return found ? (found.part === "corner" ? "nwse-resize" : "move") : "default";
-    }
-    return hasSize(this.tool) ? "none" : "crosshair";
+    this.canvas.drawInk();
   }
 }
 

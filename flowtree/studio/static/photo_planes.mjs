@@ -1,6 +1,7 @@
 /** Photos in space: each stands behind the tree, as seen from its camera, or lies over the tree in that camera's view. */
 
 import { THREE } from "nicegui-scene";
+import { arrangedAnew } from "flowtree-studio/arranging.mjs";
 
 /** The middle of a view's picture, its size and its directions, in metres. */
 export function frameOf(view) {
@@ -48,11 +49,43 @@ export function aimEye(camera, { view, frame }, aspect, zoom, radius) {
   return { place: [x * distance, height, z * distance], target: [0, height, 0] };
 }
 
+/**
+ * Where the photo's corners lie in a view's picture, from the upper left one clockwise.
+ *
+ * @param {object} view as the layer "cameras" lists it
+ * @returns {[number, number][]}
+ */
+export function cornersOf({ warp: m, frame: [width, height] }) {
+  // The rows of the inverse, but for a common factor.
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const columns = [cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])];
+  return [[0, 0], [width, 0], [width, height], [0, height]].map(([x, y]) => {
+    const [u, v, w] = [0, 1, 2].map((k) => columns[0][k] * x + columns[1][k] * y + columns[2][k]);
+    return [u / w, v / w];
+  });
+}
+
+/** The picture without what lies beyond its photo's frame. */
+function cutFrame(picture, view) {
+  const canvas = document.createElement("canvas");
+  canvas.width = picture.width;
+  canvas.height = picture.height;
+  const context = canvas.getContext("2d");
+  const [across, down] = [picture.width / view.width, picture.height / view.height];
+  context.beginPath();
+  for (const [x, y] of cornersOf(view)) context.lineTo(x * across, y * down);
+  context.clip();
+  context.drawImage(picture, 0, 0);
+  return canvas;
+}
+
+const AS_SEEN = { scale: 1, aside: 0, up: 0, turn: 0 };
+
 export class PhotoPlanes {
   constructor() {
     this.group = new THREE.Group();
     this.planes = [];
-    this.pictures = []; // textures by view; they may come before the views
+    this.pictures = []; // by view; they may come before the views
     this.radius = 4;
   }
 
@@ -63,26 +96,37 @@ export class PhotoPlanes {
       const frame = frameOf(view);
       const material = new THREE.MeshBasicMaterial({ side: THREE.DoubleSide, transparent: true, toneMapped: false });
       const mesh = new THREE.Mesh(new THREE.PlaneGeometry(frame.width, frame.height), material);
-      mesh.rotation.y = frame.angle;
       mesh.visible = false;
       this.group.add(mesh);
-      return { view, frame, mesh };
+      return { view, frame, mesh, anew: AS_SEEN };
     });
     this.planes.forEach((_, index) => this.#hang(index));
   }
 
-  setPicture(index, texture) {
-    this.pictures[index]?.dispose();
-    texture.colorSpace = THREE.SRGBColorSpace;
-    this.pictures[index] = texture;
+  /** Has the planes stand as their photos are being arranged (`arranging.mjs`). */
+  arrange(photos) {
+    for (const plane of this.planes) {
+      const photo = photos[plane.view.photo];
+      plane.anew = photo ? arrangedAnew(plane.view, photo) : AS_SEEN;
+    }
+  }
+
+  /** @param {HTMLImageElement | ImageBitmap} picture the view's straightened picture */
+  setPicture(index, picture) {
+    this.pictures[index] = picture;
     this.#hang(index);
   }
 
   #hang(index) {
     const plane = this.planes[index];
-    if (!plane || !this.pictures[index]) return;
-    plane.mesh.material.map = this.pictures[index];
-    plane.mesh.material.needsUpdate = true;
+    const picture = this.pictures[index];
+    if (!plane || !picture) return;
+    const { material } = plane.mesh;
+    material.map?.dispose();
+    material.map = new THREE.CanvasTexture(cutFrame(picture, plane.view));
+    material.map.colorSpace = THREE.SRGBColorSpace;
+    material.map.anisotropy = 4;
+    material.needsUpdate = true;
   }
 
   /**
@@ -91,14 +135,18 @@ export class PhotoPlanes {
    * @param {number} blend its opacity
    */
   show(standing, over, blend) {
-    this.planes.forEach(({ view, frame, mesh }, i) => {
+    this.planes.forEach(({ view, frame, mesh, anew }, i) => {
       const front = i === over;
       const away = front ? 0 : -this.radius; // what lies over the tree is drawn last, whatever is before it
+      const angle = frame.angle + anew.turn;
+      const aside = (frame.middle[0] * frame.right[0] + frame.middle[2] * frame.right[2]) * anew.scale + anew.aside;
       mesh.position.set(
-        frame.middle[0] + frame.toward[0] * away,
-        frame.middle[1],
-        frame.middle[2] + frame.toward[2] * away,
+        Math.cos(angle) * aside + Math.sin(angle) * away,
+        frame.middle[1] * anew.scale + anew.up,
+        -Math.sin(angle) * aside + Math.cos(angle) * away,
       );
+      mesh.rotation.y = angle;
+      mesh.scale.setScalar(anew.scale);
       mesh.material.opacity = front ? blend : 1;
       mesh.material.depthTest = !front;
       mesh.material.depthWrite = !front;
@@ -111,6 +159,7 @@ export class PhotoPlanes {
   clear() {
     for (const { mesh } of this.planes) {
       mesh.geometry.dispose();
+      mesh.material.map?.dispose();
       mesh.material.dispose();
       this.group.remove(mesh);
     }

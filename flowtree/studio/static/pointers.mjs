@@ -1,7 +1,12 @@
 /**
  * Mouse, pen and fingers on the board: draw with the first button, pan with the second, third or Space, zoom with the
- * wheel; two fingers pan and zoom.
+ * wheel; two fingers pan and zoom. Once a pen was there one finger pans, too: a hand that lies on the glass does not
+ * draw. A pen's other end takes away.
  */
+
+import { forceOf } from "flowtree-studio/pressure.mjs";
+
+const ERASER = 5; // the button that a pen's other end counts as
 
 /**
  * @param {HTMLCanvasElement} canvas
@@ -11,12 +16,14 @@
 export function watchPointers(canvas, board) {
   const status = { panning: false, busy: false };
   const fingers = new Map();
-  let drag = null; // {id, kind: "draw" | "pan", at}
+  let penned = false;
+  let drag = null; // {id, kind: "draw" | "pan", at, finger}
 
   const place = (event) => {
     const box = canvas.getBoundingClientRect();
     return [event.clientX - box.x, event.clientY - box.y];
   };
+  const touch = (event) => [...place(event), forceOf(event)];
 
   const stop = (how) => {
     const { live } = board;
@@ -29,19 +36,25 @@ export function watchPointers(canvas, board) {
     canvas.focus({ preventScroll: true });
     canvas.setPointerCapture(event.pointerId);
     const at = place(event);
-    if (event.pointerType === "touch") fingers.set(event.pointerId, at);
+    const finger = event.pointerType === "touch";
+    if (finger) fingers.set(event.pointerId, at);
+    if (event.pointerType === "pen") {
+      penned = true;
+      if (drag?.finger) stop("cancel"); // it was the hand that holds the pen
+    }
     if (fingers.size === 2) {
       stop("cancel");
       return;
     }
     if (drag) return; // a palm beside the pen
-    if (event.button !== 0 || status.panning) {
-      drag = { id: event.pointerId, kind: "pan", at };
+    const rubs = event.button === ERASER;
+    if ((event.button !== 0 && !rubs) || status.panning || (finger && penned)) {
+      drag = { id: event.pointerId, kind: "pan", at, finger };
       return;
     }
-    board.live = board.begin(at);
+    board.live = board.begin(touch(event), rubs);
     status.busy = board.live !== null;
-    drag = board.live ? { id: event.pointerId, kind: "draw", at } : null;
+    drag = board.live ? { id: event.pointerId, kind: "draw", at, finger } : null;
     board.drawInk();
   });
 
@@ -56,7 +69,7 @@ export function watchPointers(canvas, board) {
       drag.at = at;
     } else if (drag?.id === event.pointerId) {
       const between = event.getCoalescedEvents?.() ?? [];
-      board.live.move(between.length > 0 ? between.map(place) : [at]);
+      board.live.move((between.length > 0 ? between : [event]).map(touch));
     }
     board.hover(event.pointerType === "touch" ? null : at);
   });

@@ -1,6 +1,7 @@
 /** The objects of the viewer's scene, by the layer that each shows; a new one takes the place of the one before. */
 
 import { GLTFLoader, THREE } from "nicegui-scene";
+import { arrangedAnew } from "flowtree-studio/arranging.mjs";
 import { fieldArrows, flowParticles, skeletonRibbons, voxelCloud } from "flowtree-studio/layer_objects.mjs";
 import { readField, readFlow, readSkeleton, readVoxels } from "flowtree-studio/read_layers.mjs";
 
@@ -15,6 +16,38 @@ export class ViewerLayers {
     this.objects = {};
     this.data = {}; // name -> {url, values}
     this.treeRevision = -1;
+    this.views = []; // that what comes now is made from
+    this.arranged = [];
+  }
+
+  /** @param {object[]} views as the layer "cameras" lists them */
+  setViews(views) {
+    for (const object of Object.values(this.objects)) if (object && !object.userData.views) object.userData.views = views;
+    this.views = views;
+  }
+
+  /**
+   * Has everything stand as the photos are being arranged (`arranging.mjs`): as wide, and as far aside, as its photo
+   * is moved and scaled. It is as high as before, for all photos show the same height.
+   */
+  arrange(photos) {
+    this.arranged = photos;
+    for (const object of Object.values(this.objects)) if (object) this.#arrange(object);
+  }
+
+  #arrange(object) {
+    const matrix = new THREE.Matrix4();
+    for (const view of object.userData.views ?? []) {
+      const photo = this.arranged[view.photo];
+      if (!photo || view.mirrored) continue;
+      const { scale, aside } = arrangedAnew(view, photo);
+      const turn = new THREE.Matrix4().makeRotationY((view.yaw * Math.PI) / 180);
+      const moved = new THREE.Matrix4().makeScale(scale, 1, 1).setPosition(aside, 0, 0);
+      matrix.premultiply(turn.clone().multiply(moved).multiply(turn.invert()));
+    }
+    object.matrixAutoUpdate = false;
+    object.matrix.copy(matrix);
+    object.matrixWorldNeedsUpdate = true;
   }
 
   /**
@@ -70,7 +103,10 @@ export class ViewerLayers {
       dispose(before);
     }
     this.objects[name] = object;
-    if (object) this.scene.add(object);
+    if (!object) return;
+    if (this.views.length > 0) object.userData.views = this.views;
+    this.#arrange(object);
+    this.scene.add(object);
   }
 
   remove(name) {
