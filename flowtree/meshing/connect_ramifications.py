@@ -49,7 +49,7 @@ _RISE = 1.0  # radii by which the crotch of a branch along its host is filled
 _RISE_LIFTED = 0.3  # the same where the boundary is lifted
 # Square tubes turn by 90 degrees at their edges, octagons by 45.
 _SHARP_BEFORE, _SHARP = 105.0, 58.0  # [degrees], creases that are rounded before and after the last step
-_ROUNDS_BEFORE, _ROUNDS = 15, 30
+_ROUNDS_BEFORE, _ROUNDS = 15, 160
 _THIN = 0.25  # of the host's radius: thinner branches fit into one face of it, once subdivided
 
 
