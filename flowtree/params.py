@@ -360,10 +360,10 @@ class AssetParams(StageParams):
         "none", "cards for far away: three that cross, or one with pictures from all around"
     )
     impostor_size: int = _number(
-        1024, "height and width of the impostor's texture", ge=64, le=8192, unit="px"
+        2048, "height and width of the impostor's texture", ge=64, le=8192, unit="px"
     )
     impostor_frames: int = _number(
-        8, "pictures along each side of the octahedral impostor's texture", ge=2, le=32
+        12, "pictures along each side of the octahedral impostor's texture", ge=2, le=32
     )
 
 
