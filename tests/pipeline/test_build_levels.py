@@ -56,6 +56,8 @@ def test_levels_keep_their_budgets_and_lie_in_each_other(budget, seed, bare):
         assert level.wood.node.max() < len(parent)
         if level.foliage is not None:
             assert level.foliage.node.max() < len(parent)
+    assert is_watertight(close_seams(levels[0].wood)[1])
+    assert not levels[0].bark.double_sided
     for fine, coarse in pairwise(levels):
         assert _leaves(coarse) <= _leaves(fine)
         assert _nodes(coarse) <= _nodes(fine)
