@@ -23,7 +23,7 @@ from flowtree.render.view_tree_from import texture_pyramids, view_tree_from
 
 _CUTOFF = 0.5
 _MARGIN = 1.0 / 32.0  # of a picture, kept free on every side: its halved pictures do not show its neighbours
-_SAMPLES, _BARE_SAMPLES = 3, 6  # along a pixel's side; twigs are thinner than pixels
+_SAMPLES, _BARE_SAMPLES = 2, 6  # along a pixel's side; twigs are thinner than pixels
 _SHARING_SAMPLES = 6
 _YAWS = (0.0, 45.0, 90.0, 135.0)  # [degrees], of the crossed cards
 _COLUMNS = 2  # of their pictures in the texture
