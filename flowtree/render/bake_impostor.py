@@ -23,7 +23,8 @@ from flowtree.render.view_tree_from import texture_pyramids, view_tree_from
 
 _CUTOFF = 0.5
 _MARGIN = 1.0 / 32.0  # of a picture, kept free on every side: its halved pictures do not show its neighbours
-_SAMPLES, _BARE_SAMPLES = 2, 6  # along a pixel's side; twigs are thinner than pixels
+_SAMPLES = 2  # along a pixel's side
+_TWIG_SAMPLES, _CUT_TWIG_SAMPLES = 6, 3  # of bare trees: twigs are thinner than pixels; for an alpha test
 _SHARING_SAMPLES = 6
 _YAWS = (0.0, 45.0, 90.0, 135.0)  # [degrees], of the crossed cards
 _COLUMNS = 2  # of their pictures in the texture
@@ -217,7 +218,8 @@ def _bake(
     Without, the normal map has depths in its alpha.
     """
     columns, rows = picture
-    samples = _BARE_SAMPLES if scene.leaf is None else _SAMPLES
+    twigs = _TWIG_SAMPLES if shares is None else _CUT_TWIG_SAMPLES
+    samples = twigs if scene.leaf is None else _SAMPLES
     pyramids = texture_pyramids(scene)
     color = np.zeros((whole[1], whole[0], 4), np.uint8)
     deep = shares is None
