@@ -351,7 +351,7 @@ class AssetParams(StageParams):
     """Levels of detail and impostors."""
 
     max_triangles: int = _number(
-        50_000, "triangles of the finest level; 0 leaves the tree as it is", ge=0, le=100_000_000
+        49_000, "triangles of the finest level; 0 leaves the tree as it is", ge=0, le=100_000_000
     )
     levels: int = _number(1, "levels of detail in the file, the finest among them", ge=1, le=4)
     texture_size: int = _number(2048, "longer side of a texture at most", ge=16, le=8192, unit="px")

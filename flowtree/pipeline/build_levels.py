@@ -39,7 +39,7 @@ _SPRAYED, _LARGEST_SPRAY = 2.2, 12  # leaves for each that is kept, from which o
 _LOST = 1.2  # by which the surface of coarse wood is usually less than it was
 _MOST_SHARE = 1.6
 # What a file holds of wood, thin wood welded, and how much of it a triangle of the budget stands for: of
-# 50,000 the file stays below 4 MB.
+# 49,000 the file stays below 4 MB.
 _VERTEX_BYTES, _TRIANGLE_BYTES, _BYTES = 45, 12, 71
 _ENOUGH = 0.9  # of the surface: with less of it, fewer branches that are thick enough are likelier
 
@@ -64,7 +64,7 @@ class _Wood:
 def build_levels(
     tree: TreeModel,
     *,
-    max_triangles: int = 50_000,
+    max_triangles: int = 49_000,
     count: int = 4,
     meshing: MeshingParams = MeshingParams(),
     seed: int = 0,
