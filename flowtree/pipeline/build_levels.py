@@ -25,7 +25,7 @@ from flowtree.model.tree import TreeModel
 from flowtree.params import MeshingParams
 
 _MOST_LEVELS = 4
-_NEXT = 0.78  # of level 0's triangles, in level 1
+_NEXT = 0.8  # of level 0's triangles, in level 1
 _FEWER = 0.9  # of the triangles of the level before, in any level
 _FAR, _FAR_SHARE = 4000, 15  # level 2: triangles at most, and how many times fewer than in level 0
 _FARTHEST = 4  # times fewer in level 3 than in level 2
@@ -72,7 +72,7 @@ def build_levels(
 ) -> tuple[TreeModel, ...]:
     """Makes levels of detail from the tree's skeleton and leaves, the finest first.
 
-    Level 0 has ``max_triangles`` at most, and is the tree itself where that fits; level 1 has 78 % of them,
+    Level 0 has ``max_triangles`` at most, and is the tree itself where that fits; level 1 has 80 % of them,
     level 2 a fifteenth and 4,000 at most, level 3 a quarter of that; none need have less than 64. Wood whose
     triangles share few vertices gets fewer of them, so that files stay small. The wood is swept anew, with
     fewer sides and rings, the thinnest twigs flat, and where that is not enough, fewer and thicker twigs
