@@ -351,7 +351,7 @@ class AssetParams(StageParams):
     """Levels of detail and impostors."""
 
     max_triangles: int = _number(
-        50_000, "triangles of the finest level; 0 leaves the tree as it is", ge=0, le=100_000_000
+        49_000, "triangles of the finest level; 0 leaves the tree as it is", ge=0, le=100_000_000
     )
     levels: int = _number(1, "levels of detail in the file, the finest among them", ge=1, le=4)
     texture_size: int = _number(2048, "longer side of a texture at most", ge=16, le=8192, unit="px")
@@ -360,10 +360,10 @@ class AssetParams(StageParams):
         "none", "cards for far away: three that cross, or one with pictures from all around"
     )
     impostor_size: int = _number(
-        1024, "height and width of the impostor's texture", ge=64, le=8192, unit="px"
+        2048, "height and width of the impostor's texture", ge=64, le=8192, unit="px"
     )
     impostor_frames: int = _number(
-        8, "pictures along each side of the octahedral impostor's texture", ge=2, le=32
+        12, "pictures along each side of the octahedral impostor's texture", ge=2, le=32
     )
 
 

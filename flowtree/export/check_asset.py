@@ -28,7 +28,7 @@ def check_asset(asset: TreeAsset) -> None:
         check_tree(level)
     for card in asset.cards:
         check_mesh(card.mesh, f"{card.name} card")
-        check_material(card.material, f"{card.name} card's material")
+        check_material(card.material, f"{card.name} card's material", deep=card.frames > 1)
         triangles = len(card.mesh.triangles)
         check.require(triangles > 0, f"{card.name} card", "needs a triangle", triangles, "bake it again")
     each = len(asset.winds) in (0, len(asset.levels))

@@ -70,8 +70,13 @@ def _check_foliage(foliage: Foliage) -> None:
     check.array(foliage.color, "leaf colours", shape=(count, 3), low=0.0, high=1.0)
 
 
-def check_material(material: Material, thing: str) -> None:
+def check_material(material: Material, thing: str, *, deep: bool = False) -> None:
     """Refuses a material whose textures are no pictures or whose numbers lie outside their range.
+
+    Args:
+        material: to be written.
+        thing: what it belongs to.
+        deep: whether its normal map has depths in a fourth channel.
 
     Raises:
         InputError: it is so; ``thing`` names the material.
@@ -79,7 +84,7 @@ def check_material(material: Material, thing: str) -> None:
     for picture, name in ((material.base_color, "texture"), (material.normal, "normal map")):
         if picture is None:
             continue
-        channels = (3,) if name == "normal map" else (3, 4)
+        channels = (3, 4) if name == "texture" else (4,) if deep else (3,)
         fits = (
             picture.ndim == 3
             and picture.shape[2] in channels

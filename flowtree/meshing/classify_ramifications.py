@@ -118,7 +118,13 @@ def classify_ramifications(
     np.maximum.at(shared, unit[other[fits]], short[other[fits]])
     least = short.copy()
     np.maximum.at(least, unit[other[fits]], short[other[fits]])
-    made = Ramifications(kind, birth, unit, exits.angle, exits.arc, shared, least)
+    # A unit turns to where the children that are farthest off the middles of their faces are equally far.
+    swing = np.mod(turn[fits] + 0.25 * np.pi, 0.5 * np.pi) - 0.25 * np.pi
+    left, right = np.zeros((2, count))
+    np.minimum.at(left, current[other[fits]], swing)
+    np.maximum.at(right, current[other[fits]], swing)
+    angle = exits.angle + 0.5 * (left + right)
+    made = Ramifications(kind, birth, unit, angle, exits.arc, shared, least)
     rest = np.flatnonzero(hosted) if all_additional else other[~fits]
     return made.but(rest[birth[rest] + 1 < subdivisions], subdivisions)
 

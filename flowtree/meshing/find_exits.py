@@ -11,8 +11,8 @@ from flowtree.meshing.branch_axes import Floats, Ints, unit
 from flowtree.meshing.branch_curves import BranchCurves, any_across
 
 # Where a branch is looked at, in radii of its host: beyond the last it stays a part of it.
-_STEPS = np.array([0.4, 0.7, 0.9, 1.05, 1.2, 1.4, 1.65, 2.0, 2.5, 3.1, 4.0, 5.0])
-_CLEAR = 0.7  # of its own radius that a branch's axis is outside of its host where it begins
+_STEPS = np.array([0.4, 0.7, 0.9, 1.05, 1.2, 1.4, 1.65, 2, 2.5, 3.1, 4, 5, 6.5, 8.5, 11, 14, 18, 24])
+_CLEAR = 1.1  # of its own radius by which a branch's axis is outside of its host where it begins
 _WIDTH = 1.06  # half the width of the square that becomes a circle of radius 1
 _SLANT = 2.4  # a slanting section is this much longer than wide at most
 _SHARE = 0.6  # of a branch's length that may lie inside the host
@@ -48,14 +48,14 @@ class Exits:
 
 
 def find_exits(curves: BranchCurves) -> Exits:
-    """Follows every side branch from its fork to where most of it has come out of its host's wood.
+    """Follows every side branch from its fork to where it has come out of its host's wood.
 
-    That is a host radius and most of its own away from the host's axis: begun further down, the inner side of
-    its first rings would lie within the wood and fold the surface at the crotch.
+    That is a host radius and a little more than its own away from the host's axis: begun further down, the
+    inner side of its first rings would lie within the wood and fold the surface at the crotch.
 
     The paper takes the point where the branch's first segment meets the unit's main face (figure 3: Q). A
     branch that leaves at a few degrees meets it far up, or never: so the branch is followed along its bends,
-    five host radii or 0.6 of its length at most.
+    24 host radii or 0.6 of its length at most.
     """
     count = len(curves.length)
     branch, host = np.arange(count), np.maximum(curves.host, 0)

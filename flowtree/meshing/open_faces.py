@@ -9,7 +9,7 @@ import numpy as np
 from flowtree.meshing.branch_axes import Floats, Ints, unit
 from flowtree.meshing.build_tubes import HOSTING, ControlMesh
 
-_EDGE = 0.46  # what is opened stays this close to a face's middle, in face widths
+_EDGE = 0.4  # what is opened stays this close to a face's middle, in face widths
 _WIDEST = 0.4  # half of a face at most that a start boundary takes up, in face widths
 _LOOSE = 0.2  # a boundary smaller than this gets another one around it
 _AROUND = 2.2  # how much larger that is

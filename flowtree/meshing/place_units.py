@@ -13,7 +13,7 @@ from flowtree.meshing.classify_ramifications import CONNECTABLE, Ramifications
 from flowtree.meshing.find_exits import Exits
 
 _TOO_MUCH = 1.2  # the paper's T_add, of RU + RC
-_SHIFT = 4.0  # host radii that a unit may be pushed along its host to find room
+_SHIFT = 5.0  # host radii that a unit may be pushed along its host to find room
 _SHIFT_PASTED = 0.7  # the same where it could be pasted instead
 
 

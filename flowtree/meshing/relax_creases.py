@@ -11,8 +11,9 @@ from flowtree.meshing.build_tubes import ControlMesh
 
 Bools = NDArray[np.bool_]
 
-_STEP = 0.3  # of the way that a vertex goes at once
+_STEP = 0.2  # of the way that a vertex goes at once
 _STRIDE = 5  # rounds
+_SPELL = 40  # rounds of one weight
 _RINGS = 3  # of quads around a crease that may give way in these
 _ALIKE = 1e-12  # of the mesh's extent; nearer neighbours would pull without bound
 
@@ -23,7 +24,9 @@ def relax_creases(mesh: ControlMesh, *, limit: float, rounds: int, kept: tuple[i
     Each end of a crease goes to the straight line between its neighbours across the crease, the nearer one
     counting more (the curve-shortening flow of that section): a sharp crotch fills, a ridge sinks, and a tube
     does not become thinner, as it would by smoothing in all directions. What becomes a crease thereby gives
-    way in the next round. Not in the paper, which shows forks with room around them.
+    way in the next round. Where two rows of a narrow crotch have come together that flow stands still: so it
+    takes turns with one to which both neighbours count alike, which draws rows apart again. Not in the
+    paper, which shows forks with room around them.
 
     Args:
         mesh: closed; an edge has two quads.
@@ -58,8 +61,8 @@ def relax_creases(mesh: ControlMesh, *, limit: float, rounds: int, kept: tuple[i
             np.maximum(np.linalg.norm(positions[other] - positions[ends], axis=1), tiny)
             for other in (before, after)
         )
-        share = (near / (near + far))[:, None]
-        wanted = positions[before] + share * (positions[after] - positions[before])
+        share = near / (near + far) if (rounds - turn - 1) // _SPELL % 2 == 0 else np.full(len(near), 0.5)
+        wanted = positions[before] + share[:, None] * (positions[after] - positions[before])
         total = np.bincount(place, weight)
         target = np.stack([np.bincount(place, weight * column) for column in wanted.T], axis=1)
         if turn % _STRIDE == 0:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from flowtree.model.mesh import TreeMesh
 from flowtree.model.skeleton import Skeleton
 
+THIN = 0.001  # of the height: radius up to which nobody sees where the bark's texture begins
 _SAME_NORMAL = 0.98  # cosine between normals of one place that may be one
 
 

@@ -17,7 +17,7 @@ class Card:
     Attributes:
         name: what kind of card it is: ``crossed`` or ``octahedral``.
         mesh: the pieces, world frame.
-        material: pictures of the tree: albedo with alpha, and normals.
+        material: pictures of the tree: albedo with alpha, and normals; of an octahedral card depths, too.
         frames: pictures along each side of the texture: 1, or those of the octahedral map.
     """
 

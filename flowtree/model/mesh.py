@@ -15,7 +15,8 @@ class Material:
     Attributes:
         name: as it stands in the file.
         base_color: (h, w, 3) or (h, w, 4) uint8 sRGB texture, row 0 on top; four channels are alpha-tested.
-        normal: (h, w, 3) uint8 tangent-space normal map (glTF convention: +y is up), or None.
+        normal: (h, w, 3) uint8 tangent-space normal map (glTF convention: +y is up), or None; an octahedral
+            card's has depths in a fourth channel.
         roughness: 0..1.
         double_sided: whether both sides are seen.
         alpha_cutoff: below this alpha the surface is not there; None is opaque.

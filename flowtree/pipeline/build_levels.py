@@ -17,6 +17,7 @@ from flowtree.levels.spray_leaf import spray_leaf
 from flowtree.levels.thin_leaves import thin_leaves
 from flowtree.levels.thin_skeleton import thin_skeleton
 from flowtree.meshing.sweep_rings import sweep_rings
+from flowtree.meshing.weld_thin_wood import THIN, weld_thin_wood
 from flowtree.model.foliage import Foliage
 from flowtree.model.mesh import TreeMesh
 from flowtree.model.skeleton import Skeleton
@@ -24,7 +25,7 @@ from flowtree.model.tree import TreeModel
 from flowtree.params import MeshingParams
 
 _MOST_LEVELS = 4
-_NEXT = 0.78  # of level 0's triangles, in level 1
+_NEXT = 0.8  # of level 0's triangles, in level 1
 _FEWER = 0.9  # of the triangles of the level before, in any level
 _FAR, _FAR_SHARE = 4000, 15  # level 2: triangles at most, and how many times fewer than in level 0
 _FARTHEST = 4  # times fewer in level 3 than in level 2
@@ -38,14 +39,14 @@ _SPRAYED, _LARGEST_SPRAY = 2.2, 12  # leaves for each that is kept, from which o
 _LOST = 1.2  # by which the surface of coarse wood is usually less than it was
 _MOST_SHARE = 1.6
 # What a file holds of wood, thin wood welded, and how much of it a triangle of the budget stands for: of
-# 50,000 the file stays below 4 MB.
-_VERTEX_BYTES, _TRIANGLE_BYTES, _BYTES = 45, 12, 75
+# 49,000 the file stays below 4 MB.
+_VERTEX_BYTES, _TRIANGLE_BYTES, _BYTES = 45, 12, 71
 _ENOUGH = 0.9  # of the surface: with less of it, fewer branches that are thick enough are likelier
 
 
 @dataclass(frozen=True)
 class _Wood:
-    """A level's wood: ``surface`` [m²] counts both sides of its blades, of which only one is in the mesh."""
+    """A level's wood: ``surface`` [m²] counts both sides of its blades, of which the mesh may have one."""
 
     skeleton: Skeleton
     moved: NDArray[np.int32]
@@ -63,7 +64,7 @@ class _Wood:
 def build_levels(
     tree: TreeModel,
     *,
-    max_triangles: int = 50_000,
+    max_triangles: int = 49_000,
     count: int = 4,
     meshing: MeshingParams = MeshingParams(),
     seed: int = 0,
@@ -71,13 +72,14 @@ def build_levels(
 ) -> tuple[TreeModel, ...]:
     """Makes levels of detail from the tree's skeleton and leaves, the finest first.
 
-    Level 0 has ``max_triangles`` at most, and is the tree itself where that fits; level 1 has 78 % of them,
+    Level 0 has ``max_triangles`` at most, and is the tree itself where that fits; level 1 has 80 % of them,
     level 2 a fifteenth and 4,000 at most, level 3 a quarter of that; none need have less than 64. Wood whose
     triangles share few vertices gets fewer of them, so that files stay small. The wood is swept anew, with
-    fewer sides and rings, the thinnest twigs as sheets of two sides (`drop_backs`), and where that is not
-    enough, fewer and thicker twigs (`thin_skeleton`); there are fewer and larger leaves
-    (`thin_leaves`) of fewer triangles (`simplify_leaf`), or where they would be far larger, sprays of small
-    ones (`spray_leaf`). A branch or leaf of a level is in all finer ones, too. Leaves of branches that are
+    fewer sides and rings, the thinnest twigs flat, and where that is not enough, fewer and thicker twigs
+    (`thin_skeleton`); there are fewer and larger leaves (`thin_leaves`) of fewer triangles (`simplify_leaf`),
+    or where they would be far larger, sprays of small ones (`spray_leaf`). Level 0's wood is closed; of flat
+    twigs of the others one side is left out, for a material of two sides (`drop_backs`). A branch or leaf of
+    a level is in all finer ones, too. Leaves of branches that are
     gone belong to the node where these began.
 
     Args:
@@ -110,11 +112,11 @@ def build_levels(
         if whole <= budget:
             levels.append(tree)
             continue
-        level = _build_level(tree, budget, rank, order, meshing, device)
+        level = _build_level(tree, budget, rank, order, meshing, bool(levels), device)
         while levels and budget > least and _triangles(level) > _FEWER * _triangles(levels[-1]):
             # Where all branches fit, a smaller budget may have been used better.
             budget = max(int(_FEWER * budget), least)
-            level = _build_level(tree, budget, rank, order, meshing, device)
+            level = _build_level(tree, budget, rank, order, meshing, True, device)
         levels.append(level)
     return tuple(levels)
 
@@ -131,6 +133,7 @@ def _build_level(
     rank: BranchRank,
     order: NDArray[np.int64] | None,
     meshing: MeshingParams,
+    sheets: bool,
     device: str | None,
 ) -> TreeModel:
     foliage = tree.foliage if tree.foliage is not None and len(tree.foliage.position) else None
@@ -139,7 +142,7 @@ def _build_level(
     shares = share_triangles(budget, branches=len(rank.fork), leaves=fewest, sides=meshing.sides)
     params = meshing.model_copy(update={"sides": shares.sides, "tolerance": shares.tolerance})
     thickening = shares.thickening * tree.height
-    fitted = _fit_wood(tree, rank, shares.wood, thickening, params, device)
+    fitted = _fit_wood(tree, rank, shares.wood, thickening, params, sheets, device)
     wood = fitted.mesh
     check.require(
         len(wood.triangles) <= budget,
@@ -183,6 +186,7 @@ def _fit_wood(
     budget: int,
     most: float,
     params: MeshingParams,
+    sheets: bool,
     device: str | None,
 ) -> _Wood:
     """The skeleton with as many branches as the budget allows, its nodes for those of the whole, its wood.
@@ -196,9 +200,10 @@ def _fit_wood(
         nonlocal share
         thinned, moved = thin_skeleton(tree.skeleton, rank, count, most=most, share=share)
         wood = sweep_rings(thinned, params=params, device=device)
-        surface, mesh = _surface(wood), drop_backs(wood)
+        surface, mesh = _surface(wood), drop_backs(wood) if sheets else wood
         share = float(np.clip(share * whole / surface, 1.0, _MOST_SHARE))
-        return _Wood(thinned, moved, mesh, surface, mesh is not wood)
+        light = weld_thin_wood(mesh, thinned, radius=THIN * tree.height)
+        return _Wood(thinned, moved, light, surface, mesh is not wood)
 
     whole, count = _surface(tree.wood), len(rank.fork)
     high, first = (count, _USUAL * count), _LOST

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from flowtree.meshing.weld_thin_wood import weld_thin_wood
+from flowtree.meshing.weld_thin_wood import THIN, weld_thin_wood
 from flowtree.model.asset import TreeAsset
 from flowtree.model.tree import TreeModel
 from flowtree.params import Params
 from flowtree.pipeline.build_asset import build_asset
-
-_THIN = 0.001  # of the height: radius up to which nobody sees where the bark's texture begins
 
 
 def equip_tree(
@@ -44,5 +42,5 @@ def equip_tree(
 
 
 def _lighter(level: TreeModel) -> TreeModel:
-    wood = weld_thin_wood(level.wood, level.skeleton, radius=_THIN * level.height)
+    wood = weld_thin_wood(level.wood, level.skeleton, radius=THIN * level.height)
     return replace(level, wood=wood)

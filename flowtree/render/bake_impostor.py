@@ -23,9 +23,11 @@ from flowtree.render.view_tree_from import texture_pyramids, view_tree_from
 
 _CUTOFF = 0.5
 _MARGIN = 1.0 / 32.0  # of a picture, kept free on every side: its halved pictures do not show its neighbours
-_SAMPLES = 3
+_SAMPLES = 2  # along a pixel's side
+_TWIG_SAMPLES, _CUT_TWIG_SAMPLES = 6, 3  # of bare trees: twigs are thinner than pixels; for an alpha test
 _SHARING_SAMPLES = 6
-_YAWS = (0.0, 60.0, 120.0)  # [degrees], of the crossed cards
+_YAWS = (0.0, 45.0, 90.0, 135.0)  # [degrees], of the crossed cards
+_COLUMNS = 2  # of their pictures in the texture
 _CELLS = 64  # along the height, in which the crossed cards' density is shared out
 _VIEWS = 12  # over half a turn, from which it is
 _LEAST = 8  # pixels of a picture
@@ -81,12 +83,12 @@ class _Shares:
         return np.asarray(cover, np.float32)
 
 
-def bake_crossed(tree: TreeModel, *, size: int = 1024, device: str | None = None) -> Card:
-    """Three upright cards that cross in the trunk, seen from yaw 0, 60 and 120.
+def bake_crossed(tree: TreeModel, *, size: int = 2048, device: str | None = None) -> Card:
+    """Four upright cards that cross in the trunk, seen from yaw 0, 45, 90 and 135.
 
-    The texture shows the pictures side by side, yaw 0 on the left; seen from behind a card shows the same. It
-    has colours without light, alpha for an alpha test at 0.5 (see `keep_coverage`), of each card so much that
-    all together hide what the tree does (see `share_cards`), and normals in the
+    The texture shows the pictures in two rows, yaw 0 on the upper left and 45 beside it; seen from behind a
+    card shows the same. It has colours without light, alpha for an alpha test at 0.5 (see `keep_coverage`),
+    of each card so much that all together hide what the tree does (see `share_cards`), and normals in the
     card's own tangent space. Where nothing is seen the colours go on (see `dilate_colors`).
 
     Args:
@@ -105,7 +107,8 @@ def bake_crossed(tree: TreeModel, *, size: int = 1024, device: str | None = None
         spans.append((axes, float(across.min()), float(across.max())))
     tall = float(high[1] - low[1])
     wide = max(right - left for _, left, right in spans)
-    pixel = max(len(_YAWS) * wide, tall) / (size * (1.0 - 2.0 * _MARGIN))
+    lines = len(_YAWS) // _COLUMNS
+    pixel = max(_COLUMNS * wide, lines * tall) / (size * (1.0 - 2.0 * _MARGIN))
     columns, rows = (
         max(_LEAST, round(length / pixel / (1.0 - 2.0 * _MARGIN) / 4.0) * 4) for length in (wide, tall)
     )
@@ -113,14 +116,17 @@ def bake_crossed(tree: TreeModel, *, size: int = 1024, device: str | None = None
     for number, (axes, left, right) in enumerate(spans):
         middle = 0.5 * (left + right) * axes[0] + np.array([0.0, 0.5 * (low[1] + high[1]), 0.0])
         half = (0.5 * pixel * columns, 0.5 * pixel * rows)
-        pictures.append(_Picture(axes, middle, half, number * columns, 0))
+        line, column = divmod(number, _COLUMNS)
+        pictures.append(_Picture(axes, middle, half, column * columns, line * rows))
     shares = _share(scene, float(low[1]), tall, device)
-    whole = (len(pictures) * columns, rows)
+    whole = (_COLUMNS * columns, lines * rows)
     material = _bake(scene, pictures, (columns, rows), whole, "impostor_crossed", device, shares)
-    return Card("crossed", _cards(pictures, (columns, rows), (len(pictures) * columns, rows)), material)
+    return Card("crossed", _cards(pictures, (columns, rows), whole), material)
 
 
-def bake_octahedral(tree: TreeModel, *, size: int = 1024, frames: int = 8, device: str | None = None) -> Card:
+def bake_octahedral(
+    tree: TreeModel, *, size: int = 2048, frames: int = 12, device: str | None = None
+) -> Card:
     """One card for a shader that turns it to the eye, with pictures from the whole upper half of the world.
 
     The texture has ``frames`` x ``frames`` square pictures. The one in column i and row j, counted from the
@@ -131,7 +137,9 @@ def bake_octahedral(tree: TreeModel, *, size: int = 1024, frames: int = 8, devic
     direction nearest to +z. A shader blends the three nearest pictures: see `look_up_impostor`.
 
     Colours and normals are as in `bake_crossed`; the normals are (right, up, toward) of their own picture.
-    Alpha is the share of each texel that is tree, for a shader that blends or dithers it.
+    Alpha is the share of each texel that is tree, for a shader that blends or dithers it. The normal map's
+    alpha a is how far what is seen lies above the picture's plane, toward its eye: ``(a - 0.5) * s``, as far
+    as it goes.
 
     Args:
         tree: world frame [m].
@@ -205,29 +213,40 @@ def _bake(
     device: str | None,
     shares: _Shares | None = None,
 ) -> Material:
-    """The texture of all pictures, sizes (columns, rows) [pixels]; with shares it is for an alpha test."""
+    """The texture of all pictures, sizes (columns, rows) [pixels]; with shares it is for an alpha test.
+
+    Without, the normal map has depths in its alpha.
+    """
     columns, rows = picture
+    twigs = _TWIG_SAMPLES if shares is None else _CUT_TWIG_SAMPLES
+    samples = twigs if scene.leaf is None else _SAMPLES
     pyramids = texture_pyramids(scene)
     color = np.zeros((whole[1], whole[0], 4), np.uint8)
-    normal = np.empty((whole[1], whole[0], 3), np.uint8)
+    deep = shares is None
+    normal = np.empty((whole[1], whole[0], 4 if deep else 3), np.uint8)
     for number, each in enumerate(pictures):
         pixel = 2.0 * each.half[0] / columns
         foot = (
             0.5 * columns - float(each.middle @ each.axes[0]) / pixel,
             0.5 * rows + float(each.middle @ each.axes[1]) / pixel,
         )
-        view = ParallelView(each.axes, pixel, foot, columns, rows, _SAMPLES)
+        view = ParallelView(each.axes, pixel, foot, columns, rows, samples)
         seen = view_tree_from(scene, view, pyramids, device=device)
-        filled = dilate_colors(np.concatenate([seen.color, seen.normal], axis=2), seen.alpha)
-        length = np.linalg.norm(filled[:, :, 3:], axis=2, keepdims=True)
-        facing = filled[:, :, 3:] / np.maximum(length, np.float32(1e-6))
+        height = (seen.depth - np.float32(each.middle @ each.axes[2])) / np.float32(each.half[0])
+        filled = dilate_colors(
+            np.concatenate([seen.color, seen.normal, height[:, :, None]], axis=2), seen.alpha
+        )
+        length = np.linalg.norm(filled[:, :, 3:6], axis=2, keepdims=True)
+        facing = filled[:, :, 3:6] / np.maximum(length, np.float32(1e-6))
         area = (slice(each.upper, each.upper + rows), slice(each.left, each.left + columns))
         color[area][:, :, :3] = encode_srgb_bytes(filled[:, :, :3])
         alpha = seen.alpha
         if shares is not None:
             alpha = keep_coverage(alpha, _CUTOFF, shares.at(number, foot, pixel, alpha.shape))
         color[area][:, :, 3] = np.rint(255.0 * alpha)
-        normal[area] = np.rint(127.5 * (facing + 1.0))
+        normal[area][:, :, :3] = np.rint(127.5 * (facing + 1.0))
+        if deep:
+            normal[area][:, :, 3] = np.rint(127.5 * (np.clip(filled[:, :, 6], -1.0, 1.0) + 1.0))
     return Material(name, color, normal=normal, double_sided=True, alpha_cutoff=_CUTOFF)
 
 

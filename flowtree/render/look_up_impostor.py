@@ -10,6 +10,7 @@ from flowtree.geometry.octahedral_map import direction_to_square, level_axes, sq
 from flowtree.model.asset import Card
 
 Floats = NDArray[np.float64]
+_LOOKS = 3  # for the depth where the line of sight meets the tree
 
 
 def look_up_impostor(card: Card, toward: Floats, size: int) -> NDArray[np.float32]:
@@ -18,8 +19,9 @@ def look_up_impostor(card: Card, toward: Floats, size: int) -> NDArray[np.float3
     1. The direction's place on the hemi-octahedral map lies in a triangle of three neighbouring pictures;
        their barycentric weights blend them.
     2. The card is turned to the eye: a square around its middle, across ``toward``.
-    3. Of each picture a pixel shows the texel whose point, on the plane through the middle across that
-       picture's direction, the line of sight passes.
+    3. Of each picture a pixel shows the texel whose point the line of sight passes: first on the plane
+       through the middle across that picture's direction, then twice as high above that plane as the depth
+       of the texel found before says (parallax, by fixed-point steps).
     4. The blended alpha is the share of the pixel that is tree: to be blended with what is behind, or drawn
        as so many of the pixels, by a comparison with noise (hashed alpha; Wyman and McGuire 2017). A test
        against one cut-off would lose twigs, which are elsewhere in each picture.
@@ -44,12 +46,15 @@ def look_up_impostor(card: Card, toward: Floats, size: int) -> NDArray[np.float3
     for frame, weight in nearest_frames(eye, card.frames):
         grid = 2.0 * np.array([frame]) / (card.frames - 1) - 1.0
         picture = level_axes(square_to_direction(grid)[0])
-        # Along the line of sight onto the picture's plane.
-        step = point @ picture[2] / max(float(eye @ picture[2]), 1e-3)
-        there = point - step[:, :, None] * eye
-        texel = _sample(card, frame, 0.5 + 0.5 * (there @ picture[0]), 0.5 - 0.5 * (there @ picture[1]))
+        height = np.zeros((size, size))
+        for _ in range(_LOOKS):
+            # Along the line of sight to where it is as high above the picture's plane as what is seen there.
+            step = (point @ picture[2] - height) / max(float(eye @ picture[2]), 1e-3)
+            there = point - step[:, :, None] * eye
+            texel = _sample(card, frame, 0.5 + 0.5 * (there @ picture[0]), 0.5 - 0.5 * (there @ picture[1]))
+            height = texel[:, :, 4]
         # Where a picture shows nothing its colour does not count.
-        shown[:, :, :3] += weight * texel[:, :, 3:] * texel[:, :, :3]
+        shown[:, :, :3] += weight * texel[:, :, 3:4] * texel[:, :, :3]
         shown[:, :, 3] += weight * texel[:, :, 3]
     shown[:, :, :3] /= np.maximum(shown[:, :, 3:], 1e-6)
     return shown.astype(np.float32)
@@ -66,10 +71,19 @@ def nearest_frames(toward: Floats, frames: int) -> list[tuple[tuple[int, int], f
 
 
 def _sample(card: Card, frame: tuple[int, int], u: Floats, v: Floats) -> Floats:
-    """One picture (h, w, 4) in 0..1 at places (h, w) in 0..1, between its texels; outside nothing is."""
+    """One picture at places (h, w) in 0..1, between its texels, and nothing outside.
+
+    Returns: (h, w, 5) colour and alpha in 0..1, depth in half sides of the picture.
+    """
     side = card.material.base_color.shape[0] // card.frames
     area = (slice(frame[1] * side, (frame[1] + 1) * side), slice(frame[0] * side, (frame[0] + 1) * side))
-    texels = np.pad(card.material.base_color[area] / 255.0, [(1, 1), (1, 1), (0, 0)], mode="edge")
+    assert card.material.normal is not None
+    depth = card.material.normal[area][:, :, 3:] / 127.5 - 1.0
+    texels = np.pad(
+        np.concatenate([card.material.base_color[area] / 255.0, depth], axis=2),
+        [(1, 1), (1, 1), (0, 0)],
+        mode="edge",
+    )
     inside = (u >= 0) & (u <= 1) & (v >= 0) & (v <= 1)
     x, y = np.clip(u, 0, 1) * side + 0.5, np.clip(v, 0, 1) * side + 0.5
     left, upper = np.floor(x).astype(int), np.floor(y).astype(int)

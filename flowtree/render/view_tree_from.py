@@ -29,11 +29,14 @@ class Surface:
         color: (h, w, 3) float32, linear, of what is seen, not multiplied with alpha; 0 where nothing is.
         normal: (h, w, 3) float32, unit, as (right, up, toward the eye); toward the eye where nothing is.
         alpha: (h, w) float32 in 0..1, the share of each pixel that is tree.
+        depth: (h, w) float32 [m], how far what is seen lies toward the eye, from the origin on; 0 where
+            nothing is.
     """
 
     color: NDArray[np.float32]
     normal: NDArray[np.float32]
     alpha: NDArray[np.float32]
+    depth: NDArray[np.float32]
 
 
 def texture_pyramids(scene: Scene) -> Pyramids:
@@ -65,9 +68,10 @@ def view_tree_from(
     met, place = np.unique(triangle, return_inverse=True)
     corners = np.take(scene.triangles, triangle, axis=0).T
     weight = corner_weights(hits.corner, corners, x, y)
-    values = np.concatenate([scene.colors, scene.uvs, scene.normals.T], axis=1)
+    toward_eye = view.axes[2].astype(np.float32) @ scene.positions
+    values = np.concatenate([scene.colors, scene.uvs, scene.normals.T, toward_eye[:, None]], axis=1)
     spread = spread_values(values, corners, weight)
-    color, uv, normal = spread[:, :3], spread[:, 3:5], spread[:, 5:] @ view.axes.T.astype(np.float32)
+    color, uv, normal = spread[:, :3], spread[:, 3:5], spread[:, 5:8] @ view.axes.T.astype(np.float32)
     level = texture_level(replace(scene, triangles=scene.triangles[met]), hits.corner)[place]
     wood = triangle < scene.wood_triangles
     for chosen, pyramid in zip((wood, ~wood), pyramids, strict=True):
@@ -87,6 +91,7 @@ def view_tree_from(
         color=mean.astype(np.float32),
         normal=toward.reshape(*shape, 3).astype(np.float32),
         alpha=(count / view.samples**2).reshape(shape).astype(np.float32),
+        depth=_means(pixel, spread[:, 8:], count).reshape(shape).astype(np.float32),
     )
 
 

@@ -20,7 +20,7 @@ from tests.levels.trees import crowned_tree
 
 TREE = crowned_tree(4, leaves=8000)
 OCTAHEDRAL = bake_octahedral(TREE, size=1024, frames=8, device="cpu")
-CROSSED = bake_crossed(TREE, size=384, device="cpu")
+CROSSED = bake_crossed(TREE, size=256, device="cpu")
 
 
 def _camera(yaw: float, size: int = 128) -> Camera:
@@ -39,7 +39,7 @@ def test_an_octahedral_card_looks_like_the_tree_between_its_pictures(yaw):
     camera = _camera(yaw)
     shown = look_up_impostor(OCTAHEDRAL, view_axes(yaw)[2], camera.width)
     mask = render_mask(TREE, camera, device="cpu")
-    assert soft_iou(shown[:, :, 3], camera, mask, camera, height=TREE.height) >= 0.85
+    assert soft_iou(shown[:, :, 3], camera, mask, camera, height=TREE.height) >= 0.9
 
 
 def test_a_baked_direction_shows_its_picture():
@@ -94,7 +94,7 @@ def test_a_card_is_a_proper_mesh_and_its_texture_has_no_dark_rim(card):
     assert clear.any()
     assert solid.any()
     assert picture[clear][:, :3].max(axis=1).min() > 0.3 * np.median(picture[solid][:, :3].max(axis=1))
-    normal = card.material.normal / 127.5 - 1.0
+    normal = card.material.normal[:, :, :3] / 127.5 - 1.0
     assert np.allclose(np.linalg.norm(normal, axis=2), 1.0, atol=0.02)
     assert (normal[:, :, 2] > -0.01).all()
 
@@ -129,3 +129,22 @@ def test_as_much_passes_the_test_as_was_covered(cover):
     assert (bent[:, 16:64] >= 0.5).mean() == pytest.approx(alpha[:, 16:64].mean(), abs=0.03)
     assert (bent[:, :8] == 0.0).all()
     assert (bent[:, 72:] == 1.0).all()
+
+
+def test_depth_lets_pictures_of_other_sides_agree():
+    """Two thin stems before and behind the axis: between two pictures they would stand in the wrong place."""
+    points = np.array([[-0.1, 0, 3], [0.1, 0, 3], [0.1, 8, 3], [-0.1, 8, 3]], np.float32)
+    card = TreeMesh(
+        np.concatenate([points, points * [1, 1, -1]]).astype(np.float32),
+        np.tile(np.float32([0, 0, 1]), (8, 1)),
+        np.zeros((8, 2), np.float32),
+        np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]], np.int32),
+    )
+    tree = dataclasses.replace(TREE, wood=card, foliage=None)
+    baked = bake_octahedral(tree, size=512, frames=4, device="cpu")
+    toward = view_axes(12.0)[2]
+    shown = look_up_impostor(baked, toward, 96)
+    side = float(np.ptp(baked.mesh.positions[:, 0]))
+    across = (np.arange(96) + 0.5) / 96 * side - 0.5 * side
+    spread = np.abs(across[shown[40:56, :, 3].max(axis=0) > 0.25])
+    assert np.allclose(spread, 3.0 * np.sin(np.radians(12.0)), atol=0.25)
