@@ -140,6 +140,8 @@ def match_heights(
             (max(limit[0], at - reach), min(limit[1], at + reach))
             for at, reach, limit in zip(best, half, limits, strict=True)
         ]
+    if math.isinf(costs[best]):  # too small a picture for any tree
+        return HeightMatch(foot.row, top.row, tall, tall)
     deviations = _deviations(costs, best)
     return HeightMatch(float(best[0]), float(best[1]), *deviations)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from flowtree.errors import InputError
@@ -209,6 +209,7 @@ def test_what_is_given_is_taken():
     size=st.tuples(st.integers(1, 50), st.integers(1, 50)),
     focal=st.none() | st.floats(1, 1e5),
 )
+@example(seed=0, fill=1.0, size=(39, 2), focal=1.0)
 def test_any_matte_is_placed_finitely_or_refused(seed, fill, size, focal):
     rng = np.random.default_rng(seed)
     alphas = [np.where(rng.random(size) < fill, rng.random(size), 0).astype(np.float32) for _ in range(2)]

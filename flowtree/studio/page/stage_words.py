@@ -6,7 +6,7 @@ _WORDS = {
     "reading the photos": ("photos", "strokes", "marks", "sketch"),
     "telling tree from background": ("picks", "preparing", "matting", "coloring", "painting"),
     "fitting the photos together": ("placing", "registering", "framing", "lines", "completing", "retouching"),
-    "filling the crown": ("density", "leafiness", "habit"),
+    "filling the crown": ("density", "between", "leafiness", "habit"),
     "following the branches": ("attraction", "limbs", "fields", "limb_field"),
     "letting particles flow": ("flow",),
     "joining branches": ("branches", "colors", "patching"),
