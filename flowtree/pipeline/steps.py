@@ -279,6 +279,8 @@ def run_twigs(
 ) -> Skeleton:
     """The skeleton with twigs, its thin branches turned to where the mattes show them."""
     params, height, seed = job.params.twigs, heights[0], job.seed
+    if leafy:  # the leaves come near the volume, and hide twigs that do not
+        between = ()
     branches = turn_twigs(
         branches,
         volume,

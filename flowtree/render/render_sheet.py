@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree import check
+from flowtree.device import side_by_side
 from flowtree.model.attractor import AttractorGraph
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
@@ -74,23 +75,30 @@ def render_sheet(
     highest = max(1, round(_HIGHEST * params.size))
     scene = assemble_scene(tree)
     sky = gather_sky_light(scene)
-    rows = []
-    for view, (photo, matte, camera, graph) in enumerate(zip(photos, mattes, cameras, graphs, strict=True)):
+    crops = []
+    for photo, matte, camera in zip(photos, mattes, cameras, strict=True):
         sizes = (photo.rgb.shape[:2], matte.alpha.shape)
         check.require(sizes[0] == sizes[1], photo.name, "needs a matte of its size", sizes, "make it anew")
-        near, rgb, alpha, unknown = crop_view(photo, matte, camera, width=slot, height=highest)
-        drawn = render_scene(scene, sky, near, params=params, device=device)
+        crops.append(crop_view(photo, matte, camera, width=slot, height=highest))
+    free = fit_camera(tree, _FREE_YAW, max(1, round(_FREE * params.size)))
+
+    def draw(camera: Camera) -> NDArray[np.uint8]:
+        return render_scene(scene, sky, camera, params=params, device=device)
+
+    # The largest picture first, so that it is not waited for alone.
+    around, *drawn = side_by_side(draw, [free, *(crop[0] for crop in crops)])
+    rows = []
+    for view, (photo, matte, camera, graph) in enumerate(zip(photos, mattes, cameras, graphs, strict=True)):
+        near, rgb, alpha, unknown = crops[view]
         alike = "" if scores is None else f", soft IoU {scores[view]:.2f}"
         rows.append(
             [
                 (f"{photo.name}, yaw {camera.yaw:g}", rgb),
                 (f"matte, {matte.method}", draw_matte(alpha, unknown)),
                 ("attractor graph", draw_graph(rgb, graph, near)),
-                (f"tree{alike}", lay_over_sky(drawn)),
-                ("orange only photo, blue only tree", draw_difference(alpha, drawn[:, :, 3], unknown)),
+                (f"tree{alike}", lay_over_sky(drawn[view])),
+                ("orange only photo, blue only tree", draw_difference(alpha, drawn[view][:, :, 3], unknown)),
             ]
         )
-    free = fit_camera(tree, _FREE_YAW, max(1, round(_FREE * params.size)))
-    drawn = render_scene(scene, sky, free, params=params, device=device)
-    rows.append([(f"tree, yaw {_FREE_YAW:g}", lay_over_sky(drawn))])
+    rows.append([(f"tree, yaw {_FREE_YAW:g}", lay_over_sky(around))])
     return lay_out_sheet(rows, width=width, slot=slot)
