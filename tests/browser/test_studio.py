@@ -45,6 +45,7 @@ def test_parameters_are_sliders_with_a_way_back(studio):
     assert changed["undo"] is not None
     row.locator(".param-reset").click()
     studio.until(lambda state: state["params"]["leaves"]["amount"] == 1.0, "not reset")
+    studio.settle()  # what the page shows anew must not fall into what is typed next
     studio.page.locator(".shape").get_by_text("Particle flow", exact=True).click()
     entry = studio.page.locator('[data-param="flow.particle_count"] input')
     entry.fill("700")
@@ -163,7 +164,9 @@ def test_leaves_are_painted_and_the_tree_grows_there(studio):
     state = studio.until(lambda state: state["photos"][0]["paint"], "no paint")
     (layer,) = state["photos"][0]["paint"]
     assert (layer["kind"], layer["softness"], layer["strength"]) == ("add", 0.5, 1)
-    after = np.frombuffer(studio.changed("skeleton", skeleton)[4:], "<f4").reshape(-1, 10)
+    studio.changed("skeleton", skeleton)  # the branches come first
+    studio.settle()
+    after = np.frombuffer(studio.layer("skeleton")[4:], "<f4").reshape(-1, 10)
     # Beside the crown, in the middle of what was painted [m].
     grown = [(np.hypot(part[:, 0] - 3.6, part[:, 1] - 9.0) < 1.2).sum() for part in (before, after)]
     assert grown[1] > grown[0]
