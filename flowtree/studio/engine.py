@@ -36,6 +36,7 @@ class Engine:
         self._grower = Worker(self._hear, ahead="flowtree.pipeline.steps", kept=_RESULTS)
         self._jobs: dict[int, StudioJob] = {}
         self._next = 0
+        self._stopped = -1  # the last job that somebody stopped
         self._state, self._revision = DocumentState(), 0
         self._cut: Any = None  # what the mattes hang on, of those that are there
         self._kept: list[bytes] = []  # results that the grower was not given yet
@@ -83,7 +84,7 @@ class Engine:
     def cancel(self) -> None:
         """Ends all that runs, within half a second."""
         with self._lock:
-            last = self._next - 1
+            last = self._stopped = self._next - 1
             self._seeds = []
         self._cutter.stop(last, kill=True)
         self._grower.stop(last, kill=True)
@@ -153,17 +154,20 @@ class Engine:
             if message.kind == "exported":
                 return [{"event": "written", "id": job.options["order"].id}]
             del self._jobs[message.number]
-            if message.kind == "done":
-                if job.kind == "matte":
+            if message.kind in ("done", "cancelled"):
+                # What was nearly done when it was stopped is there, and what was to follow does not come.
+                stopped = message.number <= self._stopped and job.kind != "export"
+                done = message.kind == "done"
+                if done and job.kind == "matte":
                     self._cut = _hangs_on(job.state)
-                    self._submit("tree", self._grower)
+                    if not stopped:
+                        self._submit("tree", self._grower)
                 self._go_on()
+                if stopped or not done:
+                    return [{"event": "cancelled", **about}]
                 if job.kind == "variants" and self._seeds:
                     return []
                 return [{"event": "done", **about, "seconds": message.content}]
-            if message.kind == "cancelled":
-                self._go_on()
-                return [{"event": "cancelled", **about}]
             self.problem = _CRASHED if message.kind == "crashed" else str(message.content)
             self._seeds = []
             return [{"event": "failed", **about, "message": self.problem}]
