@@ -3,7 +3,7 @@
 const NAMES = [
   "arranging", "gestures", "pressure",
   "arrangement", "drop", "draw_photo", "foresee", "ink", "lines", "livewire", "matte_picture", "pan_zoom", "photo_planes",
-  "layer_objects", "read_layers", "shortcuts", "photo_board", "tree_viewer",
+  "layer_objects", "read_layers", "ruler", "shortcuts", "photo_board", "tree_viewer",
 ];
 const loaded = await Promise.all(NAMES.map((name) => import(`flowtree-studio/${name}.mjs`)));
 window.scene = await import("nicegui-scene");

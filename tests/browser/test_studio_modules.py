@@ -520,3 +520,25 @@ def test_everything_follows_a_photo_that_is_arranged(page):
     asides = [photo["foot"][0] for photo in told[-4:-1]]
     assert asides == sorted(asides)
     assert asides[0] > 151, "every step of the drag is told"
+
+
+def test_a_height_is_measured_where_the_tree_has_a_gap(page):
+    """A pointer seldom meets a twig: beside it the plane through the stem counts, but not the ground."""
+    heights = page.evaluate(
+        """() => {
+            const { THREE } = scene, host = document.createElement("div");
+            const camera = new THREE.PerspectiveCamera(60, 1, 0.1, 100);
+            camera.position.set(6, 4, 8);
+            camera.lookAt(0, 4, 0);
+            const ruler = new studio.Ruler(new THREE.Scene(), host);
+            const canvas = { getBoundingClientRect: () => ({ x: 0, y: 0, width: 100, height: 100 }) };
+            const at = (y) => {
+                ruler.measure({ clientX: 50, clientY: y }, canvas, camera, new THREE.Group());
+                return ruler.points.map(point => point.y);
+            };
+            return [at(100), at(50), at(25)];
+        }"""
+    )
+    assert heights[0] == []  # into the ground
+    assert heights[1] == pytest.approx([4.0])
+    assert heights[2] == pytest.approx([4.0, 4.0 + 10.0 * math.tan(math.radians(30.0)) / 2])

@@ -12,7 +12,7 @@ export class Ruler {
     this.points = [];
   }
 
-  /** Adds the place of the tree under a pointer. */
+  /** Adds the place under a pointer: of the tree, or where it has a gap or ends, of the plane through its axis. */
   measure(event, canvas, camera, tree) {
     const box = canvas.getBoundingClientRect();
     const place = new THREE.Vector2(
@@ -23,7 +23,8 @@ export class Ruler {
     const ray = new THREE.Raycaster();
     ray.setFromCamera(place, camera);
     const hit = tree && ray.intersectObject(tree, true).find(({ object }) => object.visible);
-    if (hit) this.add(hit.point);
+    const point = hit ? hit.point : throughAxis(ray.ray, camera);
+    if (point) this.add(point);
   }
 
   add(point) {
@@ -69,4 +70,11 @@ export class Ruler {
     this.host.append(element);
     this.labels.push({ element, at });
   }
+}
+
+/** Where a ray meets the upright plane through the y axis that faces the camera; null below the ground. */
+export function throughAxis(ray, camera) {
+  const normal = camera.getWorldDirection(new THREE.Vector3()).setY(0).normalize();
+  const point = ray.intersectPlane(new THREE.Plane(normal, 0), new THREE.Vector3());
+  return point && point.y >= 0 ? point : null;
 }
