@@ -79,6 +79,7 @@ class Engine:
             if _hangs_on(self._state) == self._cut:
                 self._submit("tree", self._grower)
             else:
+                self._cut = None  # another's mattes may come yet, also where this job is overtaken
                 self._submit("matte", self._cutter)
 
     def cancel(self) -> None:

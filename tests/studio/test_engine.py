@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from flowtree.project.document_state import DocumentState, DrawnPhoto
 from flowtree.studio.engine import Engine
 from flowtree.studio.job import Message
 
@@ -55,3 +58,14 @@ def test_what_begins_after_a_stop_goes_on_to_its_end(engine):
     (tree,) = engine._grower.jobs
     engine._hear(Message(tree.number, "done", 0.2))
     assert [event["event"] for event in engine.told] == ["done", "done"]
+
+
+def test_mattes_come_back_where_those_of_another_state_may_have_come_meanwhile(engine):
+    """A change and its undoing, faster than a matte: its layers may be there before the job was dropped."""
+    plain = DocumentState(photos=(DrawnPhoto("photos/1/oak.jpg", 40, 30),))
+    picked = replace(plain, photos=(replace(plain.photos[0], tree_colors=("#204010",)),))
+    engine.update(plain, 1)
+    engine._hear(Message(engine._cutter.jobs[0].number, "done", 0.1))
+    engine.update(picked, 2)
+    engine.update(plain, 3)
+    assert [job.state for job in engine._cutter.jobs] == [plain, picked, plain]
