@@ -79,13 +79,15 @@ def test_a_crash_a_full_disk_and_a_lost_connection_lose_nothing(browser, project
 
 def _crash(studio: Studio, pid: int) -> None:
     """Both workers die while they are at work."""
+    workers = _workers(pid)
+    assert len(workers) == 2
+    for worker in workers:  # else they might have done their work before anybody looks
+        os.kill(worker, signal.SIGSTOP)
     seed = studio.page.locator(".shape .field input")
     seed.fill("5")
     seed.press("Enter")
     seed.blur()
     studio.until(lambda state: state["seed"] == 5 and state["busy"], "not begun")
-    workers = _workers(pid)
-    assert len(workers) == 2
     for worker in workers:
         os.kill(worker, signal.SIGKILL)
     studio.page.locator(".q-notification").get_by_text("ended unexpectedly").wait_for()
