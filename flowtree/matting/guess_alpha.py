@@ -19,7 +19,9 @@ from flowtree.matting.solve_alpha import KNOWN
 from flowtree.matting.trace_trunk import Trunk, trace_trunk
 
 TREE, BACKGROUND, OCCLUDER, UNKNOWN = 1, 2, 3, 4  # labels of scribbles
-_WEAK, _OPEN, _FIRM = 0.02, 0.01, 5.0  # confidences: an estimate, an edge of the trunk, almost certain
+# Confidences: an estimate, an edge of the trunk, a gap in the crown, almost certain.
+_WEAK, _OPEN, _GAP, _FIRM = 0.02, 0.01, 0.4, 5.0
+_TOLD_APART = 10.0  # squared standard deviations between tree and sky from which on a gap is trusted
 _REMEDY = "scribble on the tree and beside it, or pick their colours"
 _BELOW = 0.15  # how far below the horizon the crown's outline is trusted [heights]
 _CLEAR = 0.02  # of the height: so far above the horizon a trunk must stand free
@@ -175,7 +177,7 @@ def _split(
     likely = tree > 0.5
     # Where no sky shines through, a pixel is tree or is not; doubts are those of the label, not a density.
     alpha = np.clip((tree - 0.4) / 0.4, 0.0, 1.0)
-    near_sky = np.zeros_like(likely)
+    told_apart = np.zeros_like(likely)
     if sky.colors is not None:
         solid = (likely & (sky.distance > 8.0)).astype(np.float32)
         colors = fit_local_gaussian(lab, solid)
@@ -190,10 +192,14 @@ def _split(
         near_sky = cv2.blur(sky.mask.astype(np.float32), (reach, reach)) > 0.0
         near_sky |= np.arange(len(tree))[:, None] < crown.horizon[None, :]
         alpha = np.where(near_sky, along, alpha).astype(np.float32)
+        told_apart = near_sky & (length > _TOLD_APART)
     touched = cv2.dilate(likely.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
     alpha[~touched] = 0.0
-    confidence = np.full(tree.shape, _WEAK, np.float32)
     clear = sky.mask & (sky.distance < NEAR)
+    # Smoothness would close a gap that has nothing but tree around it.
+    alone = cv2.dilate(clear.astype(np.uint8), np.ones((7, 7), np.uint8)) == 0
+    gap = told_apart & alone & (alpha < 0.5)
+    confidence = np.where(gap, np.float32(_GAP), np.float32(_WEAK))
     other = cv2.erode((tree < 0.1).astype(np.uint8), np.ones((7, 7), np.uint8)) > 0
     nothing = clear | other | ~touched
     alpha[nothing], confidence[nothing] = 0.0, KNOWN

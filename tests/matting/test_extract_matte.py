@@ -276,3 +276,20 @@ def test_fields_and_neighbours_are_no_part_of_the_tree(name, place):
         for part, size in zip(place, alpha.shape, strict=True)
     )
     assert alpha[rows, columns].mean() < 0.12
+
+
+def test_a_small_gap_in_the_middle_of_a_dense_crown_stays_open():
+    rng = np.random.default_rng(4)
+    rows, columns = np.mgrid[:448, :400]
+    tree = np.hypot(rows - 190, columns - 200) < 150
+    tree |= (np.abs(columns - 200) < 8) & (rows > 190) & (rows < 430)
+    gaps = np.zeros_like(tree)
+    for row, column in rng.integers((150, 160), (230, 240), (14, 2)):
+        gaps[row : row + 3, column : column + 2] = True
+    sky = np.full((*tree.shape, 3), 250.0) + rng.normal(0.0, 1.0, (*tree.shape, 3))
+    leaves = np.array([28.0, 48.0, 24.0]) + rng.normal(0.0, 9.0, (*tree.shape, 1))
+    cover = cv2.GaussianBlur((tree & ~gaps).astype(np.float32), (0, 0), 0.6)[..., None]
+    photo = Photo("dense.png", np.clip(cover * leaves + (1 - cover) * sky, 0, 255).astype(np.uint8))
+    matte = extract_matte(photo)
+    assert matte.alpha[gaps].mean() < 0.4
+    assert matte.alpha[tree & (cover[..., 0] > 0.99)].mean() > 0.97
