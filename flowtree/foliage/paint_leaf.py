@@ -48,18 +48,35 @@ def _lanceolate(canvas: LeafCanvas, rng: np.random.Generator) -> None:
 
 
 def _needle(canvas: LeafCanvas, rng: np.random.Generator) -> None:
-    canvas.stroke((0.0, 0.0), 0.0, 0.84, (0.024, 0.010), tint=_TWIG)
-    for place in np.sort(rng.uniform(0.02, 0.97, 150)):
+    """A shoot of some years with its side shoots, all set with needles: gaps between them, not one blade."""
+    _shoot(canvas, rng, (0.0, 0.0), 0.0, 0.90, young=1.0)
+    for pair, place in enumerate(np.linspace(0.10, 0.74, 6)):
+        for side in (-1.0, 1.0):
+            root = (0.0, 0.90 * float(place) + 0.035 * side * (-1.0) ** pair + rng.uniform(-0.01, 0.01))
+            length = (0.30 - 0.22 * float(place)) * rng.uniform(0.85, 1.12)
+            _shoot(canvas, rng, root, side * rng.uniform(0.50, 0.72), length, young=float(place))
+
+
+def _shoot(
+    canvas: LeafCanvas,
+    rng: np.random.Generator,
+    root: tuple[float, float],
+    lean: float,
+    length: float,
+    *,
+    young: float,
+) -> None:
+    """A twig with needles on both sides, the last ones short and close to it; ``young`` ends are lighter."""
+    way = np.array([np.sin(lean), np.cos(lean)])
+    canvas.stroke(root, lean, length, (0.016, 0.007), tint=_TWIG)
+    for place in np.sort(rng.uniform(0.04, 1.0, round(130 * length))):
         side = rng.choice((-1.0, 1.0))
-        # Needles at the end of the year's shoot are shorter and lie closer to it.
-        lean = rng.uniform(0.55, 1.05) * (1.0 - 0.55 * place)
-        length = rng.uniform(0.20, 0.29) * (1.0 - 0.35 * place)
-        length = min(length, (rng.uniform(0.86, 0.99) - 0.86 * place) / max(np.cos(lean), 0.2))
-        # Young ones at the end are lighter and yellower.
-        shade, young = rng.uniform(0.66, 1.16), 0.22 * float(place) ** 2
-        start = (0.0, 0.84 * float(place))
-        tint = (shade * (1.0 + 1.3 * young), shade * (1.0 + young), shade * (1.08 - young))
-        canvas.stroke(start, side * lean, length, (0.015, 0.008), tint=tint)
+        spread = lean + side * rng.uniform(0.6, 1.1) * (1.0 - 0.65 * place**3)
+        needle = rng.uniform(0.060, 0.082) * (1.0 - 0.3 * place**2)
+        shade, fresh = rng.uniform(0.62, 1.18), 0.25 * young * float(place) ** 3
+        tint = (shade * (1.0 + 1.3 * fresh), shade * (1.0 + fresh), shade * (1.08 - fresh))
+        x, y = root + length * place * way
+        canvas.stroke((float(x), float(y)), spread, needle, (0.0115, 0.007), tint=tint)
 
 
 def _frond(canvas: LeafCanvas, rng: np.random.Generator) -> None:
@@ -149,7 +166,7 @@ class _Habit:
 _HABITS = {
     "broad": _Habit(0.68, _broad),
     "lanceolate": _Habit(0.28, _lanceolate),
-    "needle": _Habit(0.52, _needle),
+    "needle": _Habit(0.48, _needle),
     "frond": _Habit(0.54, _frond),
     "compound": _Habit(0.72, _compound),
     "blossom": _Habit(0.80, _blossom),

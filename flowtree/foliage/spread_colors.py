@@ -16,14 +16,15 @@ from flowtree.model.matte import Matte
 _BLUR = 0.004  # of the picture's height: about a leaf, so that one dark pixel between leaves does not count
 _SOLID = 4  # power of alpha that weighs a pixel: half-covered ones still hold some of the sky
 _WIDE, _FAR = 6.0, 0.02  # a neighbourhood so many times wider counts so much, where the near one has no leaf
-_HUE = 3.0  # robust standard deviations at which a hue is no longer the crown's
+_UNUSUAL = 3.0  # robust standard deviations at which a colour is no longer the crown's
 
 
 def spread_colors(matte: Matte, camera: Camera) -> NDArray[np.float32]:
     """Weighted means of the tree's colours, from farther away where all near weights are small.
 
-    Pixels in the colour of the trunk count little, and so do those of a hue that the crown hardly has: a
-    twig's white bark, or sky that shone through where the matte closed a gap, is no leaf's colour.
+    Pixels in the colour of the trunk count little, and so do those of a hue or a brightness that the crown
+    hardly has: a twig's white bark, or sky that shone through where the matte closed a gap, is no leaf's
+    colour, and the sky's light is so strong that a little of it bleaches all leaves around.
 
     Args:
         matte: with the foreground's colours.
@@ -45,7 +46,7 @@ def spread_colors(matte: Matte, camera: Camera) -> NDArray[np.float32]:
 
 def _spread(matte: Matte, camera: Camera, sigma: float) -> NDArray[np.float32]:
     """The same for the tree's box alone."""
-    weight = matte.alpha**_SOLID * (1.02 - bark_likeness(matte, camera)) * _usual_hue(matte) + 1e-5
+    weight = matte.alpha**_SOLID * (1.02 - bark_likeness(matte, camera)) * _usual_color(matte) + 1e-5
     light = np.asarray(cv2.LUT(matte.foreground, LIGHT_OF_BYTE.astype(np.float32)), np.float32)
     height, width = weight.shape
     weights = np.asarray(weight, np.float32)
@@ -57,15 +58,19 @@ def _spread(matte: Matte, camera: Camera, sigma: float) -> NDArray[np.float32]:
     return np.asarray(both[..., :3] / both[..., 3:], np.float32)
 
 
-def _usual_hue(matte: Matte) -> NDArray[np.float32]:
-    """How usual each pixel's hue is in the crown: 1 near the median of CIELAB's a and b, less far from it."""
+def _usual_color(matte: Matte) -> NDArray[np.float32]:
+    """How usual each pixel's colour is in the crown: 1 near the median of CIELAB, less far from it.
+
+    A pixel may be darker than the crown as it likes, which is shadow.
+    """
     lab = cv2.cvtColor(matte.foreground.astype(np.float32) / 255, cv2.COLOR_RGB2LAB)
     solid = matte.alpha > 0.8
     if not solid.any():
         return np.ones(matte.alpha.shape, np.float32)
-    hue = [np.ascontiguousarray(lab[..., 1]), np.ascontiguousarray(lab[..., 2])]
-    gaps = [part - np.median(part[solid]) for part in hue]
-    # Even a crown of one hue has a few units.
-    red, yellow = (gap / (1.4826 * np.median(np.abs(gap[solid])) + 3.0) for gap in gaps)
-    far = np.sqrt(red * red + yellow * yellow) / _HUE
+    gaps = [np.ascontiguousarray(lab[..., k]) for k in range(3)]
+    gaps = [part - np.median(part[solid]) for part in gaps]
+    # Even a crown of one colour has a few units.
+    light, red, yellow = (gap / (1.4826 * np.median(np.abs(gap[solid])) + 3.0) for gap in gaps)
+    light = np.maximum(light, 0.0)
+    far = np.sqrt(light * light + red * red + yellow * yellow) / _UNUSUAL
     return np.asarray(1.0 / (1.0 + far**4), np.float32)

@@ -63,6 +63,16 @@ def test_what_shines_through_half_covered_pixels_counts_little():
     assert np.allclose(made, LIGHT_OF_BYTE[[60, 130, 40]] / 0.8, atol=0.02)
 
 
+def test_sky_in_gaps_that_the_matte_closed_bleaches_no_leaf():
+    """A tenth of a dark grey-green crown is white; linear light would make all of it pale."""
+    matte = painted(FRONT, (44, 50, 40), alpha=1.0)
+    noise = np.random.default_rng(2)
+    color = np.clip(matte.foreground + noise.normal(0.0, 6.0, (*matte.alpha.shape, 1)), 0, 255)
+    color[noise.random(matte.alpha.shape) < 0.1] = 245
+    made = colored(SPOTS, [replace(matte, foreground=color.astype(np.uint8))], [FRONT], variation=0)
+    assert np.allclose(made.mean(axis=0), LIGHT_OF_BYTE[[44, 50, 40]] / 0.8, rtol=0.8)
+
+
 def test_variation_is_of_brightness_alone_and_as_wide_as_asked():
     spots = np.repeat(SPOTS, 50, axis=0)
     made = colored(spots, [painted(FRONT, (90, 140, 60))], [FRONT], variation=0.12, seed=3)
