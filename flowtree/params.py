@@ -223,7 +223,7 @@ class BranchParams(StageParams):
         45.0, "angle at which a path enters such a limb", ge=5, le=90, unit="degrees"
     )
     longest_lone: float = _number(
-        0.2,
+        0.12,
         "a side branch of p particles longer than this times the root of p is dropped: wires are no branches",
         gt=0,
         le=10,

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from flowtree.model.camera import Camera
 from flowtree.model.matte import Matte
 from flowtree.model.placement import Placement
-from flowtree.photos.place_pixels import outside_frame
+from flowtree.photos.place_pixels import outside_frame, place_pixels
+
+_BAND = 0.08  # of the frame's height: the rows that say how wide and dense a crown is at its upper edge
 
 
 def complete_mattes(mattes: Sequence[Matte], placements: Sequence[Placement]) -> tuple[Matte, ...]:
@@ -24,6 +26,9 @@ def complete_mattes(mattes: Sequence[Matte], placements: Sequence[Placement]) ->
     trees, the volume was nearer the truth than with any density allowed there (soft IoU 0.59 and 0.58 in the
     mean, 0.68 and 0.65 where a frame cut off half of the crown). What is unknown inside of the frame, behind
     something that stands before the tree, stays so.
+
+    A crown whose top no view shows ends as a dome, half an ellipse over its width at the frame's edge, as
+    dense as it is there.
 
     Args:
         mattes: straightened, one a view.
@@ -56,8 +61,29 @@ def _complete(
     filled = wanted & (weight > 0.5)
     guess = np.divide(total, weight, out=np.zeros_like(total), where=filled)
     alpha = np.where(filled, np.clip(guess, 0.0, 1.0), mattes[view].alpha).astype(np.float32)
+    dome = _dome(alpha, wanted & ~filled, placements[view])
+    alpha, filled = np.where(dome >= 0.0, dome, alpha), filled | (dome >= 0.0)
     left = unknown & ~filled
     return replace(mattes[view], alpha=alpha, unknown=left if left.any() else None)
+
+
+def _dome(alpha: NDArray[np.float32], wanted: NDArray[np.bool_], placement: Placement) -> NDArray[np.float32]:
+    """Alpha of what nobody has seen above the frame (h, w), -1 elsewhere."""
+    row = place_pixels(placement)[1]
+    above = wanted & (row < 0.0)
+    band = (row >= 0.0) & (row < _BAND * placement.frame[1])
+    inside = band & (alpha > 0.0)
+    dome = np.full(alpha.shape, -1.0, np.float32)
+    if not above.any() or not inside.any():
+        return dome
+    columns = np.flatnonzero(inside.any(axis=0)) + 0.5
+    low, high = np.quantile(columns, (0.02, 0.98))
+    base = float(np.flatnonzero(band.any(axis=1))[0])
+    x = (np.arange(alpha.shape[1]) + 0.5 - 0.5 * (low + high)) / max(0.5 * (high - low), 1.0)
+    y = (base - np.arange(len(alpha)) - 0.5)[:, None] / max(base, 1.0)
+    dense = float(alpha[band & (np.abs(x) < 1.0)].mean())
+    dome[above] = np.where(x * x + y * y < 1.0, dense, 0.0)[above]
+    return dome
 
 
 def _seen_from(

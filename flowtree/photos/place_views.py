@@ -18,6 +18,7 @@ from flowtree.model.matte import Matte
 from flowtree.model.photo import Photo
 from flowtree.model.placement import Estimate, Placement
 from flowtree.params import AlignParams
+from flowtree.photos.crown_above import crown_above
 from flowtree.photos.estimate_roll import estimate_roll
 from flowtree.photos.find_ends import find_ends
 from flowtree.photos.frame_view import frame_view
@@ -53,6 +54,7 @@ class _View:
         focal: [pixels].
         eye: [tree heights].
         top_spread: how far off the top may be, one standard deviation [pixels]; 0 where it is given.
+        above: rows by which the crown is assumed to go on above a frame that cuts it off [pixels].
         estimates: so far.
         warnings: so far.
         open: what nobody gave.
@@ -71,6 +73,7 @@ class _View:
     focal: float
     eye: float
     top_spread: float = 0.0
+    above: float = 0.0
     estimates: tuple[Estimate, ...] = field(default=())
     warnings: tuple[str, ...] = field(default=())
     open: tuple[str, ...] = field(default=())
@@ -97,7 +100,8 @@ def place_views(
     placement says how sure it is:
 
     - foot and top: `find_ends`; of a tree that its frame cuts off above or below, `match_heights` finds them
-      from the views that show all of it; of one seen from near, `lower_top` corrects the top.
+      from the views that show all of it; of one seen from near, `lower_top` corrects the top. Where no
+      view shows the top, the crown is assumed to end as half a ball above the frame's edge.
     - roll: `estimate_roll`, from the trunk.
     - perspective: the distance from the focal length, given or the file's, and the tree's height in the
       picture; of a photograph without one, ``params.distance`` is assumed.
@@ -168,6 +172,7 @@ def _look(photo: Photo, matte: Matte, marks: ViewMarks, height: float, params: A
         missing=missing,
         cut=missing if free else (),
         hidden=tuple(hidden),
+        above=crown_above(matte.alpha) if "top" in hidden else 0.0,
         distance=distance,
         focal=focal,
         eye=eye,
@@ -254,7 +259,7 @@ def _agree(views: list[_View]) -> list[_View]:
 def _find_hidden(views: list[_View]) -> list[_View]:
     """Foot and top of views that are cut off, from those that show all of the tree.
 
-    Where none does, nothing says how large it is: what is seen counts as all.
+    Where none does, nothing says how large it is: what is seen counts as all, but for a top that is cut off.
     """
     whole = [view for view in views if _is_whole(view)]
     result = []
@@ -269,8 +274,18 @@ def _find_hidden(views: list[_View]) -> list[_View]:
             moved = replace(view, foot=(view.foot[0], match.foot), top=match.top, estimates=estimates)
             result.append(replace(moved, warnings=_hidden_warnings(moved, True)))
         else:
+            view = _close_crown(view)
             result.append(replace(view, warnings=_hidden_warnings(view, False)))
     return result
+
+
+def _close_crown(view: _View) -> _View:
+    """The view with the top of a crown that nobody has seen end."""
+    if "top" not in view.hidden:
+        return view
+    above = Estimate("top", view.top - view.above, "pixels", "assumed")
+    estimates = tuple(above if e.name == "top" else e for e in view.estimates)
+    return replace(view, top=above.value, estimates=estimates)
 
 
 def _hidden_warnings(view: _View, found: bool) -> tuple[str, ...]:
@@ -285,6 +300,11 @@ def _hidden_warnings(view: _View, found: bool) -> tuple[str, ...]:
             )
         elif not found and name == "foot":
             words.append(f"{view.name}: the trunk leaves the picture, whose lower edge is taken for the foot")
+        elif not found and share > _WORTH_SAYING:
+            words.append(
+                f"{view.name}: the crown leaves the picture at its upper edge and is assumed to end "
+                f"{share:.0%} of the tree's height above; mark its top, or add a photo that shows it"
+            )
     return tuple(words)
 
 

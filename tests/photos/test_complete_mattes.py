@@ -57,3 +57,19 @@ def test_whole_views_and_lone_ones_stay_as_they_are():
     lone = complete_mattes([unknown], [Placement(WIDE, np.eye(3), (50, 100), ("right",))])[0]
     assert np.array_equal(lone.alpha, unknown.alpha)
     assert lone.unknown.all()
+
+
+def test_what_no_view_shows_above_the_frame_ends_as_a_dome():
+    unknown = np.zeros((100, 100), bool)
+    unknown[:50] = True
+    alpha = np.zeros((100, 100), np.float32)
+    alpha[50:80, 20:80] = 0.6
+    warp = np.array([[1.0, 0, 0], [0, 1.0, -50.0], [0, 0, 1.0]])
+    done = complete_mattes([view(alpha, unknown)], [Placement(WIDE, warp, (100, 50), ("top",))])[0]
+    assert done.unknown is None
+    assert np.array_equal(done.alpha[50:], alpha[50:])
+    widths = (done.alpha[:50] > 0.3).sum(axis=1)
+    assert (np.diff(widths) >= 0).all()
+    assert widths[0] < 15
+    assert widths[-1] in range(55, 62)
+    assert np.allclose(done.alpha[:50][done.alpha[:50] > 0], 0.6, atol=0.05)

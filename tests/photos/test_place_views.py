@@ -188,6 +188,20 @@ def test_hidden_ends_are_found_from_the_other_view(below, above):
         assert made.unknown[2, round(camera.foot[0])]
 
 
+def test_a_crown_whose_top_nobody_sees_is_closed_by_half_a_ball():
+    """Cut through the middle of its crown, a round tree is found to be nearly as high as it is."""
+    above = round(0.5 * (TOP + 235.0))
+    cut = tree()[above : round(FOOT[1])]
+    placement = place([cut, cut])[0]
+    top = known(placement, "top")
+    assert top.origin == "assumed"
+    assert top.value == pytest.approx(TOP - above, abs=20)
+    assert any("upper edge" in warning for warning in placement.warnings)
+    assert straight(cut, placement).unknown[2:40].mean() > 0.5
+    given = place([cut, cut], marks=[ViewMarks(top=-30.0)] * 2)[0]
+    assert known(given, "top").value == -30.0
+
+
 def test_what_is_given_is_taken():
     alpha = tree()
     mark = ViewMarks(foot=(170.0, 420.0), top=-30.0, roll=2.0, distance=25.0)
