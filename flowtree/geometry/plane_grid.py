@@ -108,14 +108,19 @@ def splat_matrix(
 
 
 def narrow_rows(grid: PlaneGrid, depth: NDArray[np.float64], width: float) -> NDArray[np.bool_]:
-    """Cells (columns * rows,) of the rows from height 0 up to where most rows hold more than ``width`` [m].
+    """Cells (columns * rows,) of the stem: from height 0 up to where most rows hold more than ``width`` [m].
 
-    Most: of the next ``_RUN`` rows three quarters, so that one wide row (a flare, a tuft) does not count.
+    Most: of the next ``_RUN`` rows three quarters, so that one wide row (a flare, a tuft) does not count. What
+    stands farther than ``width`` from the middle of what such a row holds is none of it: a lone low bough.
     """
-    held = -np.expm1(-depth.reshape(grid.columns, grid.rows)).sum(axis=0) * grid.cell
+    cover = -np.expm1(-depth.reshape(grid.columns, grid.rows))
+    held = cover.sum(axis=0) * grid.cell
     ground = min(max(0, round(-grid.bottom / grid.cell)), grid.rows)
     wide = np.concatenate([held[ground:] > width, np.zeros(_RUN)])
     share = np.convolve(wide, np.ones(_RUN) / _RUN, mode="valid")[: grid.rows - ground]
     starts = np.flatnonzero((share >= 0.75) & (wide[: len(share)] > 0))
     narrow = np.arange(grid.rows) < ground + (starts[0] if len(starts) else 0)
-    return np.tile(narrow, grid.columns)
+    run = np.cumsum(cover, axis=0)
+    middle = np.argmax(run >= 0.5 * run[-1], axis=0)
+    aside = np.abs(np.arange(grid.columns)[:, None] - middle) * grid.cell > width
+    return (narrow & ~(aside & (np.arange(grid.rows) >= ground))).ravel()

@@ -77,14 +77,26 @@ def rows_of(grid, widths):
 
 def test_the_stem_ends_where_the_crown_begins():
     widths = [0.5] * 7 + [3.0] * 13
-    narrow = narrow_rows(GRID, rows_of(GRID, widths), 1.0).reshape(GRID.columns, GRID.rows)
-    assert (narrow == (np.arange(20) < 7)).all()
+    depth = rows_of(GRID, widths)
+    held = depth.reshape(GRID.columns, GRID.rows) > 0
+    narrow = narrow_rows(GRID, depth, 1.0).reshape(GRID.columns, GRID.rows)
+    assert (narrow == (np.arange(20) < 7))[held].all()
 
 
 def test_a_flare_or_a_tuft_is_no_crown():
     widths = [2.0, 0.5, 2.0, 0.5, 0.5, 0.5, 0.5] + [3.0] * 13
-    narrow = narrow_rows(GRID, rows_of(GRID, widths), 1.0).reshape(GRID.columns, GRID.rows)
-    assert (narrow == (np.arange(20) < 7)).all()
+    depth = rows_of(GRID, widths)
+    held = depth.reshape(GRID.columns, GRID.rows) > 0
+    narrow = narrow_rows(GRID, depth, 1.0).reshape(GRID.columns, GRID.rows)
+    assert (narrow == (np.arange(20) < 7))[held].all()
+
+
+def test_a_low_bough_is_none_of_the_stem():
+    depth = rows_of(GRID, [0.5] * 10 + [3.0] * 10).reshape(GRID.columns, GRID.rows)
+    depth[round(2.5 / GRID.cell) : round(2.75 / GRID.cell), 5] = 20.0
+    narrow = narrow_rows(GRID, depth.ravel(), 1.0).reshape(GRID.columns, GRID.rows)
+    assert not narrow[round(2.5 / GRID.cell), 5]
+    assert narrow[0, :10].all()
 
 
 def test_a_crown_down_to_the_ground_has_no_stem_rows_but_those_below_the_ground():
