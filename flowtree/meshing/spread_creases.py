@@ -13,7 +13,7 @@ from flowtree.meshing.build_tubes import ControlMesh
 Bools = NDArray[np.bool_]
 
 _SPARE = 2.5  # [degrees] that descent aims below the limit
-_SPELLS, _STEPS = 8, 100  # of descent; each spell looks at one ring of quads more
+_SPELLS, _STEPS = 8, 80  # of descent; each spell looks at one ring of quads more
 _RINGS = 2  # of quads around a crease that may give way in the first spell
 _RATE, _MOMENTUM = 0.02, 0.8
 _FURTHEST = 0.05  # of the edges' length that a vertex goes in a step
