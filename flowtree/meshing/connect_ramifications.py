@@ -26,6 +26,7 @@ from flowtree.meshing.lay_rings import lay_rings
 from flowtree.meshing.paste_ramifications import fill_face, paste_subdivided
 from flowtree.meshing.place_units import place_units, shape_collars
 from flowtree.meshing.relax_creases import relax_creases
+from flowtree.meshing.spread_creases import spread_creases
 from flowtree.model.mesh import QuadMesh
 from flowtree.model.skeleton import Skeleton
 from flowtree.params import MeshingParams
@@ -33,7 +34,8 @@ from flowtree.params import MeshingParams
 _EMPTY = (((0, 3), float), ((0,), int), ((0, 4), int), ((0, 4, 2), float), ((0,), int), ((0,), int))
 # Square tubes turn by 90 degrees at their edges, octagons by 45.
 _SHARP_BEFORE, _SHARP = 105.0, 58.0  # [degrees], creases that are rounded before and after the last step
-_ROUNDS_BEFORE, _ROUNDS = 15, 160
+_ROUNDS_BEFORE, _ROUNDS = 15, 10
+_SHARPEST = 59.5  # [degrees], what is left of them is spread
 
 
 def connect_ramifications(
@@ -102,6 +104,7 @@ def connect_ramifications(
         mesh = grow_branches(work, step, mesh)
     if steps:
         mesh = _relaxed(mesh, _SHARP, _ROUNDS)
+        mesh = replace(mesh, positions=spread_creases(mesh, limit=_SHARPEST, kept=(BASE, FOOT)))
     return _finished(mesh, float(skeleton.points[0, 1]))
 
 

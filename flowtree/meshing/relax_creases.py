@@ -5,15 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flowtree.geometry.catmull_clark import order_of
-from flowtree.meshing.branch_axes import Floats, Ints, unit
+from flowtree.geometry.quad_edges import pair_edges, quad_normals
+from flowtree.meshing.branch_axes import Floats, Ints
 from flowtree.meshing.build_tubes import ControlMesh
 
 Bools = NDArray[np.bool_]
 
 _STEP = 0.2  # of the way that a vertex goes at once
 _STRIDE = 5  # rounds
-_SPELL = 40  # rounds of one weight
 _RINGS = 3  # of quads around a crease that may give way in these
 _ALIKE = 1e-12  # of the mesh's extent; nearer neighbours would pull without bound
 
@@ -24,9 +23,8 @@ def relax_creases(mesh: ControlMesh, *, limit: float, rounds: int, kept: tuple[i
     Each end of a crease goes to the straight line between its neighbours across the crease, the nearer one
     counting more (the curve-shortening flow of that section): a sharp crotch fills, a ridge sinks, and a tube
     does not become thinner, as it would by smoothing in all directions. What becomes a crease thereby gives
-    way in the next round. Where two rows of a narrow crotch have come together that flow stands still: so it
-    takes turns with one to which both neighbours count alike, which draws rows apart again. Not in the
-    paper, which shows forks with room around them.
+    way in the next round. Where two rows of a narrow crotch have come together that flow stands still: that
+    is left to `spread_creases`. Not in the paper, which shows forks with room around them.
 
     Args:
         mesh: closed; an edge has two quads.
@@ -40,11 +38,13 @@ def relax_creases(mesh: ControlMesh, *, limit: float, rounds: int, kept: tuple[i
     still = np.isin(mesh.kind, kept)
     moves = np.ones(len(positions), np.bool_)
     moves[quads[still]] = False
-    one, two = _edges(quads, still)
+    one, two = pair_edges(quads)
+    counts = ~(still[one // 4] | still[two // 4])
+    one, two = one[counts], two[counts]
     cosine = float(np.cos(np.radians(limit)))
     tiny = _ALIKE * float(np.ptp(positions, axis=0).max())
     for turn in range(rounds):
-        normal = _normals(positions, quads)
+        normal = quad_normals(positions, quads)
         bend = np.einsum("ed,ed->e", normal[one // 4], normal[two // 4])
         sharp = np.flatnonzero(bend < cosine)
         if not len(sharp):
@@ -61,8 +61,7 @@ def relax_creases(mesh: ControlMesh, *, limit: float, rounds: int, kept: tuple[i
             np.maximum(np.linalg.norm(positions[other] - positions[ends], axis=1), tiny)
             for other in (before, after)
         )
-        share = near / (near + far) if (rounds - turn - 1) // _SPELL % 2 == 0 else np.full(len(near), 0.5)
-        wanted = positions[before] + share[:, None] * (positions[after] - positions[before])
+        wanted = positions[before] + (near / (near + far))[:, None] * (positions[after] - positions[before])
         total = np.bincount(place, weight)
         target = np.stack([np.bincount(place, weight * column) for column in wanted.T], axis=1)
         if turn % _STRIDE == 0:
@@ -87,21 +86,6 @@ def _around(quads: Ints, moves: Bools, creased: Ints) -> tuple[Bools, Bools]:
     return near, np.asarray(near[quads].any(axis=1), np.bool_)
 
 
-def _edges(quads: Ints, still: Bools) -> tuple[Ints, Ints]:
-    """Corners (e,) from which each edge leaves, in its one quad and in its other; none of quads that stay."""
-    start, end = quads.ravel(), np.roll(quads, -1, axis=1).ravel()
-    order = order_of(np.minimum(start, end) * (int(start.max()) + 1) + np.maximum(start, end))
-    one, two = order[::2], order[1::2]
-    kept = ~(still[one // 4] | still[two // 4])
-    return one[kept], two[kept]
-
-
 def _next(corner: Ints, steps: int) -> Ints:
     """The corner (e,) of the same quad so many steps on."""
     return np.asarray(corner - corner % 4 + (corner + steps) % 4, np.int64)
-
-
-def _normals(positions: Floats, quads: Ints) -> Floats:
-    """(m, 3), unit."""
-    first, second = (positions[quads[:, k + 2]] - positions[quads[:, k]] for k in (0, 1))
-    return unit(np.cross(first, second))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flowtree import check
+from flowtree import device as devices
 from flowtree.geometry.octahedral_map import level_axes, square_to_direction
 from flowtree.geometry.srgb import encode_srgb_bytes
 from flowtree.model.asset import Card
@@ -24,7 +25,8 @@ from flowtree.render.view_tree_from import texture_pyramids, view_tree_from
 _CUTOFF = 0.5
 _MARGIN = 1.0 / 32.0  # of a picture, kept free on every side: its halved pictures do not show its neighbours
 _SAMPLES = 2  # along a pixel's side
-_TWIG_SAMPLES, _CUT_TWIG_SAMPLES = 6, 3  # of bare trees: twigs are thinner than pixels; for an alpha test
+_TWIG_SAMPLES = 3  # of bare trees, whose twigs are thinner than pixels
+_BLEND_SAMPLES = 6  # the same for alpha that is not cut off: colours change less from ray to ray
 _SHARING_SAMPLES = 6
 _YAWS = (0.0, 45.0, 90.0, 135.0)  # [degrees], of the crossed cards
 _COLUMNS = 2  # of their pictures in the texture
@@ -194,12 +196,14 @@ def _share(scene: Scene, bottom: float, tall: float, device: str | None) -> _Sha
     width, height = 2 * (int(reach / cell) + 1), int(tall / cell) + 1
     yaws = np.asarray(np.arange(_VIEWS) * (180.0 / _VIEWS), np.float64)
     foot = (0.5 * width, height + bottom / cell)
-    views = []
-    for yaw in yaws:
+
+    def look(yaw: float) -> NDArray[np.float64]:
         axes = level_axes(np.array([np.sin(np.radians(yaw)), 0.0, np.cos(np.radians(yaw))]))
         view = ParallelView(axes, cell, foot, width, height, _SHARING_SAMPLES)
         hit = cast_scene(scene, view, any_hit=True, device=device).hit
-        views.append(pixel_share(hit, _SHARING_SAMPLES).astype(np.float64))
+        return pixel_share(hit, _SHARING_SAMPLES).astype(np.float64)
+
+    views = devices.side_by_side(look, yaws)
     own = [views[int(np.argmin(np.abs(yaws - yaw)))] for yaw in _YAWS]
     return _Shares(share_cards(own, np.array(_YAWS), views, yaws), cell, bottom + cell * height)
 
@@ -218,13 +222,14 @@ def _bake(
     Without, the normal map has depths in its alpha.
     """
     columns, rows = picture
-    twigs = _TWIG_SAMPLES if shares is None else _CUT_TWIG_SAMPLES
-    samples = twigs if scene.leaf is None else _SAMPLES
+    bare = scene.leaf is None
+    samples = _TWIG_SAMPLES if bare else _SAMPLES
     pyramids = texture_pyramids(scene)
     color = np.zeros((whole[1], whole[0], 4), np.uint8)
     deep = shares is None
     normal = np.empty((whole[1], whole[0], 4 if deep else 3), np.uint8)
-    for number, each in enumerate(pictures):
+
+    def bake(number: int, each: _Picture) -> None:
         pixel = 2.0 * each.half[0] / columns
         foot = (
             0.5 * columns - float(each.middle @ each.axes[0]) / pixel,
@@ -243,10 +248,15 @@ def _bake(
         alpha = seen.alpha
         if shares is not None:
             alpha = keep_coverage(alpha, _CUTOFF, shares.at(number, foot, pixel, alpha.shape))
+        elif bare:
+            finer = replace(view, samples=_BLEND_SAMPLES)
+            alpha = pixel_share(cast_scene(scene, finer, any_hit=True, device=device).hit, finer.samples)
         color[area][:, :, 3] = np.rint(255.0 * alpha)
         normal[area][:, :, :3] = np.rint(127.5 * (facing + 1.0))
         if deep:
             normal[area][:, :, 3] = np.rint(127.5 * (np.clip(filled[:, :, 6], -1.0, 1.0) + 1.0))
+
+    devices.side_by_side(bake, range(len(pictures)), pictures)  # each in its own part of the texture
     return Material(name, color, normal=normal, double_sided=True, alpha_cutoff=_CUTOFF)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree.render.assemble_scene import Scene
-from flowtree.render.cast_scene import ParallelView, cast_scene
+from flowtree.render.cast_scene import ParallelView, RayHits, cast_scene
 from flowtree.render.interpolate_hits import (
     corner_weights,
     look_up_texture,
@@ -18,6 +18,9 @@ from flowtree.render.interpolate_hits import (
 )
 from flowtree.render.sample_texture import build_pyramid
 
+_RAYS = 1 << 19  # averaged at once: what is worked out of them stays small
+
+Floats = NDArray[np.float32]
 Pyramids = tuple[list[NDArray[np.float32]], list[NDArray[np.float32]]]
 
 
@@ -61,16 +64,31 @@ def view_tree_from(
         device: to run on.
     """
     hits = cast_scene(scene, view, device=device)
-    ray = np.flatnonzero(hits.hit)
-    triangle = hits.hit.ravel()[ray] - 1
-    x, y = ray_places(ray, hits.hit.shape[1], view.samples)
+    toward_eye = view.axes[2].astype(np.float32) @ scene.positions
+    values = np.concatenate([scene.colors, scene.uvs, scene.normals.T, toward_eye[:, None]], axis=1)
+    rows = max(1, _RAYS // (view.width * view.samples**2))
+    bands = [
+        _average_band(scene, view, pyramids, hits, values, slice(first, min(first + rows, view.height)))
+        for first in range(0, view.height, rows)
+    ]
+    color, normal, alpha, depth = (np.concatenate(parts) for parts in zip(*bands, strict=True))
+    return Surface(color, normal, alpha, depth)
+
+
+def _average_band(
+    scene: Scene, view: ParallelView, pyramids: Pyramids, hits: RayHits, values: Floats, rows: slice
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Some rows of the picture, as in `Surface`; values (n, 9) of vertices."""
+    samples, columns = view.samples, view.width * view.samples
+    first = rows.start * samples * columns
+    band = hits.hit[rows.start * samples : rows.stop * samples].ravel()
+    ray = np.flatnonzero(band)
+    triangle = band[ray] - 1
+    x, y = ray_places(ray + first, columns, samples)
     # Every triangle's texture level would be worked out: only those that are met are worth it.
     met, place = np.unique(triangle, return_inverse=True)
     corners = np.take(scene.triangles, triangle, axis=0).T
-    weight = corner_weights(hits.corner, corners, x, y)
-    toward_eye = view.axes[2].astype(np.float32) @ scene.positions
-    values = np.concatenate([scene.colors, scene.uvs, scene.normals.T, toward_eye[:, None]], axis=1)
-    spread = spread_values(values, corners, weight)
+    spread = spread_values(values, corners, corner_weights(hits.corner, corners, x, y))
     color, uv, normal = spread[:, :3], spread[:, 3:5], spread[:, 5:8] @ view.axes.T.astype(np.float32)
     level = texture_level(replace(scene, triangles=scene.triangles[met]), hits.corner)[place]
     wood = triangle < scene.wood_triangles
@@ -78,20 +96,20 @@ def view_tree_from(
         if chosen.any():
             color[chosen] *= look_up_texture(pyramid, uv[chosen], level[chosen])
     normal *= np.where(normal[:, 2:] < 0, np.float32(-1), np.float32(1))
-    row, column = np.divmod(ray, hits.hit.shape[1])
-    pixel = row // view.samples * view.width + column // view.samples
-    shape = (view.height, view.width)
-    count = np.bincount(pixel, minlength=view.width * view.height)
+    row, column = np.divmod(ray, columns)
+    pixel = row // samples * view.width + column // samples
+    shape = (rows.stop - rows.start, view.width)
+    count = np.bincount(pixel, minlength=shape[0] * shape[1])
     mean = _means(pixel, color, count).reshape(*shape, 3)
     facing = _means(pixel, normal, count)
     length = np.linalg.norm(facing, axis=1, keepdims=True)
     toward = np.tile(np.array([0.0, 0.0, 1.0]), (len(facing), 1))
     np.divide(facing, length, out=toward, where=length > 1e-6)
-    return Surface(
-        color=mean.astype(np.float32),
-        normal=toward.reshape(*shape, 3).astype(np.float32),
-        alpha=(count / view.samples**2).reshape(shape).astype(np.float32),
-        depth=_means(pixel, spread[:, 8:], count).reshape(shape).astype(np.float32),
+    return (
+        mean.astype(np.float32),
+        toward.reshape(*shape, 3).astype(np.float32),
+        (count / samples**2).reshape(shape).astype(np.float32),
+        _means(pixel, spread[:, 8:], count).reshape(shape).astype(np.float32),
     )
 
 

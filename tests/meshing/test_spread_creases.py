@@ -1,0 +1,54 @@
+import dataclasses
+
+import numpy as np
+import pytest
+
+from flowtree.geometry.quad_edges import pair_edges, quad_normals
+from flowtree.meshing.build_tubes import BASE, CLOSED, ControlMesh
+from flowtree.meshing.spread_creases import spread_creases
+
+
+def tube(rings=24, sides=12, radius=0.1, length=0.04):
+    """Open at both ends, where its quads stay as they are."""
+    ring, side = np.divmod(np.arange(rings * sides), sides)
+    turn = 2.0 * np.pi * side / sides
+    positions = np.stack([radius * np.cos(turn), length * ring, radius * np.sin(turn)], axis=1)
+    low = np.arange((rings - 1) * sides).reshape(-1, sides)
+    after = np.roll(low, -1, axis=1)
+    quads = np.stack([low, low + sides, after + sides, after], axis=2).reshape(-1, 4)
+    kind = np.full(len(quads), CLOSED)
+    kind[:sides] = kind[-sides:] = BASE
+    none = np.zeros(len(quads), np.int64)
+    return ControlMesh(
+        positions, np.zeros(len(positions), np.int64), quads, np.zeros((len(quads), 4, 2)), none, kind
+    )
+
+
+def steepest(positions, quads):
+    """[degrees], the largest angle between quads that share an edge."""
+    one, two = (corner // 4 for corner in pair_edges(quads))
+    normal = quad_normals(positions, quads)
+    return np.degrees(np.arccos(np.clip(np.sum(normal[one] * normal[two], axis=1), -1.0, 1.0).min()))
+
+
+@pytest.mark.parametrize("ring", [5, 12])
+def test_a_dent_and_a_fold_are_spread_and_nothing_far_from_them_moves(ring):
+    mesh = tube()
+    dented = mesh.positions.copy()
+    dented[12 * ring] *= (0.2, 1.0, 0.2)  # deeper than the quads are wide
+    dented[12 * ring + 6 : 12 * ring + 8, 1] += 0.05  # past the next ring
+    assert steepest(dented, mesh.quads) > 100.0
+    spread = spread_creases(dataclasses.replace(mesh, positions=dented), limit=59.5, kept=(BASE,))
+    assert steepest(spread, mesh.quads) <= 59.5
+    far = np.abs(np.arange(len(spread)) // 12 - ring) > 9
+    assert np.array_equal(spread[far], dented[far])
+
+
+def test_smooth_surfaces_and_kept_quads_stay():
+    mesh = tube()
+    same = spread_creases(mesh, limit=59.5, kept=(BASE,))
+    assert np.array_equal(same, mesh.positions)
+    dented = mesh.positions.copy()
+    dented[13] *= (0.2, 1.0, 0.2)
+    spread = spread_creases(dataclasses.replace(mesh, positions=dented), limit=59.5, kept=(BASE,))
+    assert np.array_equal(spread[:24], dented[:24])
