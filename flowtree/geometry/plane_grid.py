@@ -108,9 +108,9 @@ def splat_matrix(
 
 
 def narrow_rows(grid: PlaneGrid, depth: NDArray[np.float64], width: float) -> NDArray[np.bool_]:
-    """Cells (columns * rows,) of the stem: from height 0 up to where most rows hold more than ``width`` [m].
+    """Cells (columns * rows,) of the stem: from height 0 up to where rows hold more than ``width`` [m] mostly.
 
-    Most: of the next ``_RUN`` rows three quarters, so that one wide row (a flare, a tuft) does not count. What
+    Mostly: of the next ``_RUN`` rows three quarters, so that one wide row (a flare, a tuft) does not count. What
     stands farther than ``width`` from the middle of what such a row holds is none of it: a lone low bough.
     """
     cover = -np.expm1(-depth.reshape(grid.columns, grid.rows))
@@ -123,4 +123,5 @@ def narrow_rows(grid: PlaneGrid, depth: NDArray[np.float64], width: float) -> ND
     run = np.cumsum(cover, axis=0)
     middle = np.argmax(run >= 0.5 * run[-1], axis=0)
     aside = np.abs(np.arange(grid.columns)[:, None] - middle) * grid.cell > width
-    return (narrow & ~(aside & (np.arange(grid.rows) >= ground))).ravel()
+    stem: NDArray[np.bool_] = narrow & ~(aside & (np.arange(grid.rows) >= ground))
+    return stem.ravel()
