@@ -108,10 +108,10 @@ def splat_matrix(
 
 
 def narrow_rows(grid: PlaneGrid, depth: NDArray[np.float64], width: float) -> NDArray[np.bool_]:
-    """Cells (columns * rows,) of the stem: from height 0 up to where rows hold more than ``width`` [m] mostly.
+    """Cells (columns * rows,) of the stem, from height 0 to where most rows hold more than ``width`` [m].
 
-    Mostly: of the next ``_RUN`` rows three quarters, so that one wide row (a flare, a tuft) does not count. What
-    stands farther than ``width`` from the middle of what such a row holds is none of it: a lone low bough.
+    Most: of the next ``_RUN`` rows three quarters, so that one wide row (a flare, a tuft) does not count.
+    What stands farther than ``width`` from the middle of what a row holds is none of it: a lone low bough.
     """
     cover = -np.expm1(-depth.reshape(grid.columns, grid.rows))
     held = cover.sum(axis=0) * grid.cell
