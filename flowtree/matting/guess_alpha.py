@@ -20,7 +20,7 @@ from flowtree.matting.trace_trunk import Trunk, trace_trunk
 
 TREE, BACKGROUND, OCCLUDER, UNKNOWN = 1, 2, 3, 4  # labels of scribbles
 # Confidences: an estimate, an edge of the trunk, a gap in the crown, almost certain.
-_WEAK, _OPEN, _GAP, _FIRM = 0.02, 0.01, 0.4, 5.0
+_WEAK, _OPEN, _GAP, _FIRM = 0.02, 0.01, 0.2, 5.0
 _TOLD_APART = 10.0  # squared standard deviations between tree and sky from which on a gap is trusted
 _REMEDY = "scribble on the tree and beside it, or pick their colours"
 _BELOW = 0.15  # how far below the horizon the crown's outline is trusted [heights]
