@@ -18,7 +18,7 @@ from flowtree.geometry.cover_canvas import CELLS, RING, CoverCanvas, lay_canvas,
 from flowtree.geometry.footprint_means import optical_depth
 from flowtree.geometry.parent_array import main_child
 from flowtree.geometry.place_chance import place_chance
-from flowtree.geometry.plane_grid import narrow_rows
+from flowtree.geometry.plane_grid import stem_cells
 from flowtree.model.camera import Camera
 from flowtree.model.guessed_view import GuessedView
 from flowtree.model.matte import Matte
@@ -142,7 +142,7 @@ def _stand(canvas: CoverCanvas, skeleton: Skeleton) -> CoverCanvas:
     """A view's canvas with the branches; rows that show the stem alone want no more than that."""
     canvas = canvas.with_tree(skeleton.parent, skeleton.points, skeleton.radius)
     depth = optical_depth(canvas.wanted.astype(np.float64)).ravel()
-    stem = narrow_rows(canvas.grid, depth, _STEM * float(skeleton.radius[0])).reshape(canvas.wanted.shape)
+    stem = stem_cells(canvas.grid, depth, _STEM * float(skeleton.radius[0])).reshape(canvas.wanted.shape)
     wanted = np.where(stem, np.minimum(canvas.wanted, canvas.shown()), canvas.wanted)
     return replace(canvas, wanted=wanted)
 

@@ -20,7 +20,7 @@ from flowtree.geometry.choose_cover import choose_cover
 from flowtree.geometry.cover_canvas import CELLS, FINE, CoverCanvas, lay_canvas, lay_guess
 from flowtree.geometry.footprint_means import optical_depth
 from flowtree.geometry.place_chance import place_chance
-from flowtree.geometry.plane_grid import narrow_rows
+from flowtree.geometry.plane_grid import stem_cells
 from flowtree.geometry.projection import view_axes
 from flowtree.model.camera import Camera
 from flowtree.model.foliage import Foliage
@@ -166,7 +166,7 @@ def _stand_between(view: GuessedView, skeleton: Skeleton, height: float, params:
 def _leafy(canvas: CoverCanvas, skeleton: Skeleton, params: LeafParams) -> NDArray[np.float32]:
     """Alpha that leaves should show in each cell: none where the stem alone is seen."""
     depth = optical_depth(canvas.wanted.astype(np.float64))
-    stem = narrow_rows(canvas.grid, depth.ravel(), _STEM * float(skeleton.radius[0])).reshape(depth.shape)
+    stem = stem_cells(canvas.grid, depth.ravel(), _STEM * float(skeleton.radius[0])).reshape(depth.shape)
     return np.where(stem, 0.0, -np.expm1(-params.amount * depth)).astype(np.float32)
 
 

@@ -107,7 +107,7 @@ def splat_matrix(
     return sparse.csr_array(triple, shape=(grid.columns * grid.rows, count))
 
 
-def narrow_rows(grid: PlaneGrid, depth: NDArray[np.float64], width: float) -> NDArray[np.bool_]:
+def stem_cells(grid: PlaneGrid, depth: NDArray[np.float64], width: float) -> NDArray[np.bool_]:
     """Cells (columns * rows,) of the stem, from height 0 to where most rows hold more than ``width`` [m].
 
     Most: of the next ``_RUN`` rows three quarters, so that one wide row (a flare, a tuft) does not count.

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flowtree.geometry.quad_edges import pair_edges, quad_normals
+from flowtree.geometry.quad_edges import quad_normals
 from flowtree.meshing.branch_axes import Floats, Ints
 from flowtree.meshing.build_tubes import ControlMesh
+from flowtree.meshing.free_edges import free_edges
 
 Bools = NDArray[np.bool_]
 
@@ -35,12 +36,7 @@ def relax_creases(mesh: ControlMesh, *, limit: float, rounds: int, kept: tuple[i
     Returns: positions (n, 3) [m].
     """
     positions, quads = mesh.positions.copy(), mesh.quads
-    still = np.isin(mesh.kind, kept)
-    moves = np.ones(len(positions), np.bool_)
-    moves[quads[still]] = False
-    one, two = pair_edges(quads)
-    counts = ~(still[one // 4] | still[two // 4])
-    one, two = one[counts], two[counts]
+    moves, one, two = free_edges(mesh, kept)
     cosine = float(np.cos(np.radians(limit)))
     tiny = _ALIKE * float(np.ptp(positions, axis=0).max())
     for turn in range(rounds):

@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree.geometry.catmull_clark import order_of
-from flowtree.geometry.quad_edges import pair_edges, quad_normals
+from flowtree.geometry.quad_edges import quad_normals
 from flowtree.meshing.branch_axes import Floats, Ints
 from flowtree.meshing.build_tubes import ControlMesh
+from flowtree.meshing.free_edges import free_edges
 
 Bools = NDArray[np.bool_]
 
@@ -37,12 +38,8 @@ def spread_creases(mesh: ControlMesh, *, limit: float, kept: tuple[int, ...]) ->
     Returns: positions (n, 3) [m].
     """
     positions, quads = mesh.positions.copy(), mesh.quads
-    still = np.isin(mesh.kind, kept)
-    moves = np.ones(len(positions), np.bool_)
-    moves[quads[still]] = False
-    one, two = (corner // 4 for corner in pair_edges(quads))
-    counts = ~(still[one] | still[two])
-    one, two = one[counts], two[counts]
+    moves, *corners = free_edges(mesh, kept)
+    one, two = (corner // 4 for corner in corners)
     beside = _Lists(np.concatenate([one, two]), np.tile(np.arange(len(one)), 2), len(quads))
     around = _Lists(quads.ravel(), np.arange(quads.size) // 4, len(positions))
     looked_at = np.arange(len(one))

@@ -61,29 +61,27 @@ def _complete(
     filled = wanted & (weight > 0.5)
     guess = np.divide(total, weight, out=np.zeros_like(total), where=filled)
     alpha = np.where(filled, np.clip(guess, 0.0, 1.0), mattes[view].alpha).astype(np.float32)
-    dome = _dome(alpha, wanted & ~filled, placements[view])
-    alpha, filled = np.where(dome >= 0.0, dome, alpha), filled | (dome >= 0.0)
+    above, dome = _dome(alpha, wanted & ~filled, placements[view])
+    alpha, filled = np.where(above, dome, alpha), filled | above
     left = unknown & ~filled
     return replace(mattes[view], alpha=alpha, unknown=left if left.any() else None)
 
 
-def _dome(alpha: NDArray[np.float32], wanted: NDArray[np.bool_], placement: Placement) -> NDArray[np.float32]:
-    """Alpha of what nobody has seen above the frame (h, w), -1 elsewhere."""
+def _dome(
+    alpha: NDArray[np.float32], wanted: NDArray[np.bool_], placement: Placement
+) -> tuple[NDArray[np.bool_], NDArray[np.float32]]:
+    """Pixels (h, w) of what nobody has seen above the frame, and alpha (h, w), which is meant there."""
     row = place_pixels(placement)[1]
-    above = wanted & (row < 0.0)
     band = (row >= 0.0) & (row < _BAND * placement.frame[1])
-    inside = band & (alpha > 0.0)
-    dome = np.full(alpha.shape, -1.0, np.float32)
-    if not above.any() or not inside.any():
-        return dome
-    columns = np.flatnonzero(inside.any(axis=0)) + 0.5
+    columns = np.flatnonzero((band & (alpha > 0.0)).any(axis=0)) + 0.5
+    if not len(columns):
+        return np.zeros_like(wanted), alpha
     low, high = np.quantile(columns, (0.02, 0.98))
     base = float(np.flatnonzero(band.any(axis=1))[0])
     x = (np.arange(alpha.shape[1]) + 0.5 - 0.5 * (low + high)) / max(0.5 * (high - low), 1.0)
     y = (base - np.arange(len(alpha)) - 0.5)[:, None] / max(base, 1.0)
     dense = float(alpha[band & (np.abs(x) < 1.0)].mean())
-    dome[above] = np.where(x * x + y * y < 1.0, dense, 0.0)[above]
-    return dome
+    return wanted & (row < 0.0), np.where(x * x + y * y < 1.0, np.float32(dense), np.float32(0.0))
 
 
 def _seen_from(

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flowtree.geometry.footprint_means import OPAQUE
-from flowtree.geometry.plane_grid import PlaneGrid, narrow_rows, seen_depth, splat_matrix
+from flowtree.geometry.plane_grid import PlaneGrid, seen_depth, splat_matrix, stem_cells
 from flowtree.geometry.projection import view_axes
 from flowtree.model.camera import Camera
 
@@ -79,7 +79,7 @@ def test_the_stem_ends_where_the_crown_begins():
     widths = [0.5] * 7 + [3.0] * 13
     depth = rows_of(GRID, widths)
     held = depth.reshape(GRID.columns, GRID.rows) > 0
-    narrow = narrow_rows(GRID, depth, 1.0).reshape(GRID.columns, GRID.rows)
+    narrow = stem_cells(GRID, depth, 1.0).reshape(GRID.columns, GRID.rows)
     assert (narrow == (np.arange(20) < 7))[held].all()
 
 
@@ -87,24 +87,24 @@ def test_a_flare_or_a_tuft_is_no_crown():
     widths = [2.0, 0.5, 2.0, 0.5, 0.5, 0.5, 0.5] + [3.0] * 13
     depth = rows_of(GRID, widths)
     held = depth.reshape(GRID.columns, GRID.rows) > 0
-    narrow = narrow_rows(GRID, depth, 1.0).reshape(GRID.columns, GRID.rows)
+    narrow = stem_cells(GRID, depth, 1.0).reshape(GRID.columns, GRID.rows)
     assert (narrow == (np.arange(20) < 7))[held].all()
 
 
 def test_a_low_bough_is_none_of_the_stem():
     depth = rows_of(GRID, [0.5] * 10 + [3.0] * 10).reshape(GRID.columns, GRID.rows)
     depth[round(2.5 / GRID.cell) : round(2.75 / GRID.cell), 5] = 20.0
-    narrow = narrow_rows(GRID, depth.ravel(), 1.0).reshape(GRID.columns, GRID.rows)
+    narrow = stem_cells(GRID, depth.ravel(), 1.0).reshape(GRID.columns, GRID.rows)
     assert not narrow[round(2.5 / GRID.cell), 5]
     assert narrow[0, :10].all()
 
 
 def test_a_crown_down_to_the_ground_has_no_stem_rows_but_those_below_the_ground():
     grid = PlaneGrid(0.0, -2.0, -1.0, 0.25, 16, 20)
-    narrow = narrow_rows(grid, rows_of(grid, [3.0] * 20), 1.0).reshape(16, 20)
+    narrow = stem_cells(grid, rows_of(grid, [3.0] * 20), 1.0).reshape(16, 20)
     assert (narrow == (np.arange(20) < 4)).all()
     high = PlaneGrid(0.0, -2.0, -50.0, 0.25, 16, 20)  # all of it below the ground
-    assert narrow_rows(high, rows_of(high, [3.0] * 20), 1.0).all()
+    assert stem_cells(high, rows_of(high, [3.0] * 20), 1.0).all()
 
 
 def test_a_matte_is_capped_where_it_is_opaque():
