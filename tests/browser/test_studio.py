@@ -200,6 +200,10 @@ def test_the_viewer_shows_every_step(studio):
     studio.page.get_by_role("button", name="As this photo's camera saw it").first.click()
     studio.picture("blend")
     studio.press("m")
+    # The key goes by way of the server: a person sees the crosshair before they click.
+    studio.page.wait_for_function(
+        "document.querySelector('.tree-viewer canvas').style.cursor === 'crosshair'"
+    )
     box = studio.page.locator(".tree-viewer canvas").bounding_box()
     studio.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] * 0.4)
     assert " m high" in studio.page.inner_text(".ruler-label")
