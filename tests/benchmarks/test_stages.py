@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 
 import pytest
@@ -10,6 +11,9 @@ from benchmarks import matted_pair, stages
 from benchmarks.__main__ import run
 from benchmarks.cases import read_report
 from benchmarks.watch_command import Watched
+from flowtree.configuration import override_params
+from flowtree.params import Params
+from flowtree.pipeline.reconstruct import reconstruct
 from flowtree.pipeline.table import STAGES
 from tests.pictures import save_pair
 
@@ -18,6 +22,8 @@ NAMES = [stage.name for stage in STAGES]
 
 def test_prints_case_step_value_unit(tmp_path, monkeypatch, capsys):
     pair = save_pair(tmp_path)
+    small = override_params(Params(), ["flow.particle_count=600", "leaves.most=3000"])
+    monkeypatch.setattr(stages, "reconstruct", functools.partial(reconstruct, params=small))
     monkeypatch.setattr(matted_pair, "PAIR", pair)
     monkeypatch.setattr(matted_pair, "save_matted_pair", lambda folder: pair)
     monkeypatch.setattr(stages, "watch_command", lambda arguments: Watched(3.0, 0.9, 0.05))

@@ -34,18 +34,38 @@ def test_every_kernel_file_is_found():
     assert [module.__name__ for module in kernel_modules()] == [f"flowtree.kernels.{name}" for name in FILES]
 
 
-def test_compiles_all_once_and_says_where(tmp_path):
-    first = run(PROGRAM, "warmup", WARP_CACHE_PATH=str(tmp_path))
-    made = compiled(tmp_path)
-    again = run(PROGRAM, "warmup", WARP_CACHE_PATH=str(tmp_path))
+@pytest.fixture(scope="module")
+def interrupted(tmp_path_factory):
+    """A cache whose first compiling was interrupted, and what was said then."""
+    folder = tmp_path_factory.mktemp("cache")
+    environment = {**os.environ, "WARP_CACHE_PATH": str(folder)}
+    with subprocess.Popen([PROGRAM, "warmup"], env=environment, stderr=subprocess.PIPE, text=True) as running:
+        assert running.stderr is not None
+        assert running.stderr.readline() == "  0% start\n"
+        while not any(folder.rglob("*.cpp")):  # until it compiles
+            assert running.poll() is None
+            time.sleep(0.01)
+        running.send_signal(signal.SIGINT)
+        said = running.stderr.read()
+    assert running.returncode == 130, said
+    assert said.endswith("flowtree: stopped; every file is whole\n")
+    return folder
+
+
+def test_what_an_interrupt_left_is_compiled_once_and_it_is_said_where(interrupted):
+    there = len(compiled(interrupted))
+    assert there < len(FILES)
+    first = run(PROGRAM, "warmup", WARP_CACHE_PATH=str(interrupted))
+    made = compiled(interrupted)
+    again = run(PROGRAM, "warmup", WARP_CACHE_PATH=str(interrupted))
     assert (first.returncode, again.returncode) == (0, 0), first.stderr
     found = re.match(r"(.+): (\d+) kernel modules compiled, (\d+) were there\n", first.stdout)
-    assert Path(found[1]).is_relative_to(tmp_path)
-    assert (int(found[2]), int(found[3])) == (len(FILES), 0)
-    assert len(made) == len(FILES)
+    assert Path(found[1]).is_relative_to(interrupted)
+    assert (int(found[2]), int(found[3])) == (len(FILES) - there, there)
+    assert len({path.parent for path in made}) == len(made) == len(FILES)
     assert f": 0 kernel modules compiled, {len(FILES)} were there\n" in again.stdout
     assert "the loops of matting were there" in again.stdout, "Numba keeps what the first run compiled"
-    assert compiled(tmp_path) == made
+    assert compiled(interrupted) == made
     for name in FILES:
         assert re.search(rf"^ *\d+% {name}$", first.stderr, re.MULTILINE)
 
@@ -61,24 +81,6 @@ def test_a_folder_that_cannot_be_written_is_told_in_one_line(tmp_path, command):
     assert "compiled kernels cannot be kept there" in line
     assert "WARP_CACHE_PATH" in line
     assert "Traceback" not in ended.stderr
-
-
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="interrupts are sent otherwise here")
-def test_an_interrupt_leaves_a_cache_that_can_be_used(tmp_path):
-    environment = {**os.environ, "WARP_CACHE_PATH": str(tmp_path)}
-    with subprocess.Popen([PROGRAM, "warmup"], env=environment, stderr=subprocess.PIPE, text=True) as running:
-        assert running.stderr is not None
-        assert running.stderr.readline() == "  0% start\n"
-        while not any(tmp_path.rglob("*.cpp")):  # until it compiles
-            assert running.poll() is None
-            time.sleep(0.01)
-        running.send_signal(signal.SIGINT)
-        said = running.stderr.read()
-    assert running.returncode == 130, said
-    assert said.endswith("flowtree: stopped; every file is whole\n")
-    assert len(compiled(tmp_path)) < len(FILES)
-    assert run(PROGRAM, "warmup", WARP_CACHE_PATH=str(tmp_path)).returncode == 0
-    assert len({path.parent for path in compiled(tmp_path)}) == len(FILES)
 
 
 def test_importing_everything_compiles_nothing(tmp_path):

@@ -40,7 +40,7 @@ def _nodes(tree: TreeModel) -> set[tuple[float, ...]]:
 
 
 @given(budget=st.integers(400, 30_000), seed=st.integers(0, 20), bare=st.booleans())
-@settings(deadline=None, max_examples=12)
+@settings(deadline=None, max_examples=6)
 def test_levels_keep_their_budgets_and_lie_in_each_other(budget, seed, bare):
     levels = build_levels(BARE if bare else TREE, max_triangles=budget, seed=seed, count=3, device="cpu")
     least = (budget, int(0.8 * budget), max(64, min(4000, budget // 15)))

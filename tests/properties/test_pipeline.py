@@ -79,7 +79,7 @@ def _assert_tree(parent):
     assert (parent[1:] < np.arange(1, len(parent))).all()
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(front=pictures(), side=pictures(), params=parameters(), seed=st.integers(0, 1000))
 def test_any_two_pictures_make_a_sound_tree_or_an_input_error(front, side, params, seed):
     try:

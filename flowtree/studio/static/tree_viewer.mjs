@@ -9,6 +9,8 @@ import { StageLight } from "flowtree-studio/stage_light.mjs";
 import { ViewerCameras } from "flowtree-studio/viewer_cameras.mjs";
 import { SHOWN_AS, ViewerLayers } from "flowtree-studio/viewer_layers.mjs";
 
+const SHADOWS_REST = 150; // [ms] after the last change of the arrangement
+
 export class TreeViewer {
   /**
    * @param {HTMLElement} host
@@ -170,7 +172,9 @@ export class TreeViewer {
     this.planes.arrange(photos);
     this.layers.arrange(photos);
     this.#apply();
-    this.#shadow();
+    // The shadows take as long as all the rest: they follow when the hand rests.
+    clearTimeout(this.resting);
+    this.resting = setTimeout(() => this.#shadow(), SHADOWS_REST);
   }
 
   /** @param {number | null} index of the view to look from, as its photo did; null is free */
