@@ -134,7 +134,12 @@ class FieldParams(StageParams):
 class DensityParams(StageParams):
     """The density volume (Particle Flows, section 5)."""
 
-    resolution: int = _number(96, "voxels along the tree's height", ge=4, le=512)
+    resolution: int | None = _number(
+        None,
+        "voxels along the tree's height; left out, 96, or 60 where a view's placement is an estimate",
+        ge=4,
+        le=512,
+    )
     carve: float = _number(0.01, "voxels whose smallest footprint mean is below this are empty", ge=0, le=1)
     iterations: int = _number(200, "rounds of the least-squares solver at most", ge=0, le=1000)
     tolerance: float = _number(

@@ -26,6 +26,7 @@ _AIR = 2.0  # what a way through air costs, of what a way off the other views' l
 _OVER = 20.0  # and a way above the tree, where an eye sees boughs that reach toward it
 _SHARED = 0.6  # of that cost where the line is another limb's already
 _STEEP = 0.35  # what depth costs: so many times its square over the length seen
+_OTHER = 0.02  # of the height: what a branch must save to start at another limb than its fork's
 _FAR = 1.2  # depth a limb may gain for the length seen
 _SMOOTH = 0.03  # of the height: sigma of the smoothing of the depth along a limb
 _SEES = 0.3  # sine of the angle between two views from which one sees the other's depth well enough
@@ -178,12 +179,11 @@ class _Lifting:
         if along[-1] - along[known] < _SHORTEST * self._height and known > 0:
             self._limb_of[view][nodes[known:]] = self._limb_of[view][nodes[known]]
             return
-        at = int(self._limb_of[view][nodes[known]])
-        depth = self._find_depth(view, line[known:], at)[1:]
+        at, depth = self._find_depth(view, line[known:], int(self._limb_of[view][nodes[known]]))
         new = nodes[known + 1 :]
         place = np.arange(self.count, self.count + len(new))
         self.parent[place] = np.concatenate([[at], place[:-1]])
-        self.points[place] = from_plane(line[known + 1 :], depth, self._sights[view])
+        self.points[place] = from_plane(line[known + 1 :], depth[1:], self._sights[view])
         self._half_width[view][place] = self._thickness(view, new)
         self._view[place] = view
         self._settled[view][place] = True
@@ -261,11 +261,18 @@ class _Lifting:
             moved = np.flatnonzero((self._view[: self.count] == own) & (shift != 0.0))
             self.points[moved] += shift[moved, None] * lines_of_sight(self.points[moved], sight)
 
-    def _find_depth(self, view: int, line: _Array, at: int) -> _Array:
-        """Depth (n,) [m] toward the camera of the points of a line that starts at a limb's node."""
+    def _find_depth(self, view: int, line: _Array, fork: int) -> tuple[int, _Array]:
+        """Where a line starts, and depth (n,) [m] toward the camera of its points.
+
+        It starts at the fork's limb, or at another one that this view sees before or behind it, where the way
+        from there is so much better: a picture does not tell which of two limbs that cross bears a branch.
+        """
         toward = self._axes[view][2]
         depths = self._depths
-        begin = float(np.clip(self.points[at] @ toward, depths[0], depths[-1]))
+        flat = to_plane(self.points[: self.count], self._sights[view])
+        crossing = np.linalg.norm(flat - flat[fork], axis=1) < _SAME * self._height
+        starts = np.unique(np.append(np.flatnonzero(crossing), fork))
+        begins = np.clip(self.points[starts] @ toward, depths[0], depths[-1])
         shape = (len(line), len(depths))
         place = from_plane(
             np.broadcast_to(line[:, None], (*shape, 2)), np.broadcast_to(depths, shape), self._sights[view]
@@ -274,7 +281,10 @@ class _Lifting:
         step = np.maximum(np.linalg.norm(np.diff(line, axis=0), axis=1), 1e-9)
         gain = np.abs(depths[:, None] - depths[None, :])
         # The first step starts between two depths.
-        total = self._change(np.abs(depths - begin), step[0], depths) + step[0] * price[1]
+        first = self._change(np.abs(depths[:, None] - begins), step[0], depths)
+        first += _OTHER * self._height * (starts != fork)
+        start = first.argmin(axis=1)
+        total = first[np.arange(len(depths)), start] + step[0] * price[1]
         back = np.zeros((len(line), len(depths)), np.int64)
         for k in range(2, len(line)):
             ways = total[None, :] + self._change(gain, step[k - 1], depths)
@@ -283,10 +293,11 @@ class _Lifting:
         chosen = [int(total.argmin())]
         for k in range(len(line) - 1, 1, -1):
             chosen.append(int(back[k][chosen[-1]]))
-        depth = np.concatenate([[begin], depths[chosen[::-1]]])
+        at = int(start[chosen[-1]])
+        depth = np.concatenate([begins[at : at + 1], depths[chosen[::-1]]])
         spacing = float(np.mean(step))
         curve = np.stack([arc_lengths(line), depth], axis=1)
-        return np.asarray(smooth_polyline(curve, _SMOOTH * self._height / spacing)[:, 1])
+        return int(starts[at]), np.asarray(smooth_polyline(curve, _SMOOTH * self._height / spacing)[:, 1])
 
     def _change(self, gain: _Array, step: float, depths: _Array) -> _Array:
         """What a change of depth costs over a step of the line."""

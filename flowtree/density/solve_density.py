@@ -27,6 +27,8 @@ from flowtree.params import DensityParams
 _SAME_SIDE = 0.01  # sine of the angle below which two views see the tree from the same or the opposite side
 _LOOSE = 2.0  # how many times higher or lower than it is shown a tree may be
 _WIDEST = 2.0  # heights to the side, beyond which the width, not the height, sets the size of a voxel
+# Voxels along the height: where the views are exact, and where their placing is an estimate.
+_VOXELS, _LOOSE_VOXELS = 96, 60
 _VOXELS_AT_ONCE = 16_000_000  # 64 MB in each of four arrays
 
 
@@ -36,6 +38,7 @@ def solve_density(
     *,
     habits: Sequence[Matte] | None = None,
     height: float | None = None,
+    loose: bool = False,
     params: DensityParams = DensityParams(),
     device: str | None = None,
 ) -> DensityVolume:
@@ -90,6 +93,8 @@ def solve_density(
             there and not what it is like where no view says anything. Left out, they are the mattes.
         height: of the tree [m], which sets the voxels' size; the box is not lower, so that erasing a crown's
             top moves no voxel. Left out, the largest height that any view shows.
+        loose: whether where the cameras stand is an estimate. It is off by a hundredth of the height, and
+            voxels as fine as that hold its mistakes: known trees were more alike from coarser ones.
         params: resolution, carving threshold, when the rounds end.
         device: to run on; None takes the best there is.
 
@@ -129,7 +134,7 @@ def solve_density(
     # A height far from what is seen is another tree's: it would make a box of very many voxels.
     fits = height is not None and shown / _LOOSE <= height <= shown * _LOOSE
     top = float(height) if fits and height is not None else shown
-    cell = max(top, reach / _WIDEST) / params.resolution
+    cell = max(top, reach / _WIDEST) / (params.resolution or (_LOOSE_VOXELS if loose else _VOXELS))
     half = int(np.ceil(reach / cell)) + 1
     rows = int(np.ceil(max(top, shown) / cell - 0.5)) + 1  # half a voxel of air at least
     centres = np.asarray((np.arange(2 * half) + 0.5 - half) * cell, np.float64)

@@ -6,9 +6,9 @@ import numpy as np
 
 from flowtree.model.volume import DensityVolume
 
-_MOST = 5000  # particles at most, unless asked for more; the paper has 500 to 2000
-_FEWEST = 3000
-_PER_DEPTH = 12000.0  # particles for a crown whose optical depth, over all of a view, is the height squared
+_MOST = 7000  # particles at most, unless asked for more; the paper has 500 to 2000
+_FEWEST = 5000
+_PER_DEPTH = 16000.0  # particles for a crown whose optical depth, over all of a view, is the height squared
 
 
 def count_particles(volume: DensityVolume) -> int:

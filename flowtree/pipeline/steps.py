@@ -137,12 +137,20 @@ def run_density(
     mattes: tuple[Matte, ...],
     bare: tuple[Matte, ...],
     cameras: tuple[Camera, ...],
+    placements: tuple[Placement, ...],
     heights: tuple[float, ...],
 ) -> DensityVolume:
     """The volume that all views agree on."""
     check_same_tree([photo.name for photo in photos], mattes, cameras, height=heights[0])
-    params = job.params.density
-    return solve_density(mattes, cameras, habits=bare, height=heights[0], params=params, device=job.device)
+    return solve_density(
+        mattes,
+        cameras,
+        habits=bare,
+        height=heights[0],
+        loose=any(placement.open for placement in placements),
+        params=job.params.density,
+        device=job.device,
+    )
 
 
 def run_between(

@@ -161,7 +161,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="density",
         run=_late("run_density"),
-        inputs=("photos", "mattes", "bare_mattes", "cameras", "height"),
+        inputs=("photos", "mattes", "bare_mattes", "cameras", "placements", "height"),
         outputs=("volume",),
         params=("density",),
         kernels=("fit_depths", "fit_sights"),

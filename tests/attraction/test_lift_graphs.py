@@ -68,6 +68,20 @@ def test_limbs_seen_from_two_sides_are_found(sights):
     assert int((np.bincount(made.parent[1:], minlength=len(made.parent)) == 0).sum()) == 4
 
 
+def test_a_branch_starts_at_the_limb_behind_from_which_it_stays_inside_the_tree():
+    # From the front one limb hides half of the other, whose tip seems to leave it.
+    before = [[0, 0.25, 0], [0.2, 0.45, 0.3], [0.22, 0.75, 0.3]]
+    behind = [[0, 0.25, 0], [0.2, 0.45, -0.3], [0.45, 0.6, -0.3]]
+    tree = limbs_of([[0, 0, 0], [0, 0.8, 0]], before, behind)
+    seen = limbs_of([[0, 0, 0], [0, 0.8, 0]], before, [[0.2, 0.45, 0.3], [0.45, 0.6, 0.3]])
+    graphs = [graph_of(seen, FROM_FRONT_AND_SIDE[0]), graph_of(tree, FROM_FRONT_AND_SIDE[1])]
+    centres = (np.stack(np.meshgrid(*[np.arange(40)] * 3, indexing="ij"), axis=-1) + 0.5) / 40 - [0.5, 0, 0.5]
+    near = cKDTree(tree.points).query(centres)[0] < 0.06
+    wood = DensityVolume(near.astype(np.float32), np.float32([-0.5, 0, -0.5]), 1 / 40)
+    made = lift_graphs(graphs, FROM_FRONT_AND_SIDE, wood)
+    assert far_apart(tree.points, made.points) < 0.05
+
+
 def test_boughs_toward_the_viewers_do_not_stand_above_the_tree():
     # Each view sees its own bough above the top, near the stem: taken for one they would stand up there.
     toward = [[0.03, 0.9, 0.4], [0.4, 0.9, 0.03]]

@@ -433,3 +433,13 @@ def test_a_whorl_is_no_cross():
     arms = ring & (np.minimum(np.abs(gx), np.abs(gz)) < 0.15)
     share = level[arms].sum() / level[ring].sum()
     assert share < 1.6 * arms.sum() / ring.sum(), "the product of the views has 2.9 times its share there"
+
+
+def test_views_that_stand_by_estimate_get_coarser_voxels_unless_asked():
+    mattes, cameras = _views(_phantom("sphere"), (0, 90))
+    exact, loose = (solve_density(mattes, cameras, loose=loose).voxel for loose in (False, True))
+    assert 1.3 * exact < loose < 2.0 * exact
+    asked = DensityParams(resolution=30)
+    first, second = (solve_density(mattes, cameras, loose=loose, params=asked) for loose in (False, True))
+    assert first.voxel == second.voxel
+    assert first.density.tobytes() == second.density.tobytes()
