@@ -17,6 +17,7 @@ from flowtree.geometry.parent_array import child_count, parents_first, sum_to_ro
 from flowtree.model.attractor import LimbTree
 from flowtree.model.camera import Camera
 from flowtree.model.edit import PaintedEdit
+from flowtree.model.guessed_view import GuessedView
 from flowtree.model.matte import Matte
 from flowtree.model.skeleton import Skeleton
 from flowtree.model.traces import FlowTraces
@@ -29,6 +30,7 @@ def build_skeleton(
     limbs: LimbTree | None = None,
     crown: Sequence[tuple[Matte, Camera]] = (),
     edits: Sequence[PaintedEdit] = (),
+    between: Sequence[GuessedView] = (),
     params: BranchParams = BranchParams(),
 ) -> Skeleton:
     """Turns the particles' joined paths into branches with forks.
@@ -44,6 +46,8 @@ def build_skeleton(
         limbs: that the pictures show; None for none.
         crown: each view's matte and camera of a leafy tree, whose gaps no thin branch crosses.
         edits: one a view, or none: what bears something painted may cross them.
+        between: the volume from where no photograph looks: no thin branch leaves a
+            leafy crown there.
         params: thinning, pruning, smoothing, angles.
 
     Returns: the skeleton, with ``radius`` still 0; the particles at the root are all particles.
@@ -73,6 +77,7 @@ def build_skeleton(
             height=height,
             longest=params.longest_gap * height,
             edits=edits,
+            between=between,
         )
     points = smooth_branches(parent, points, sum_to_root(parent, own), rounds=params.smoothing, still=limb)
     parent, points, own, limb = relax_forks(parent, points, own, limb, least_angle=params.least_angle)

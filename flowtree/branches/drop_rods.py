@@ -12,9 +12,11 @@ from flowtree.geometry.find_painted import find_painted
 from flowtree.geometry.parent_array import levels, main_child, sum_to_root
 from flowtree.model.camera import Camera
 from flowtree.model.edit import PaintedEdit
+from flowtree.model.guessed_view import GuessedView
 from flowtree.model.matte import Matte
 
 _EMPTY = 0.01  # mean alpha of a cell in which there is a gap
+_THIN = 0.15  # the same of a guess, whose crowns fade away, of the mean alpha where its leaves are
 _KNOWN = 0.9  # how surely a cell's alpha must be known
 
 
@@ -26,6 +28,7 @@ def drop_rods(
     height: float,
     longest: float,
     edits: Sequence[PaintedEdit] = (),
+    between: Sequence[GuessedView] = (),
 ) -> Branches:
     """Drops side branches that run far through gaps, where a matte shows next to nothing, for few particles.
 
@@ -38,6 +41,7 @@ def drop_rods(
         cameras: theirs.
         height: of the tree [m].
         longest: way through gaps, times the root of a side branch's particles, from which on it goes [m].
+        between: the volume from where no photograph looks: a crown's thin rim there is a gap, too.
         edits: one a view, or none: what somebody painted beside the crown has no neighbours, so what bears
             it stays.
     """
@@ -50,6 +54,12 @@ def drop_rods(
         flat = canvas.flat(middle)
         gap = (canvas.wanted < _EMPTY) & (canvas.known > _KNOWN)
         empty |= canvas.spread(gap.astype(np.float32))[canvas.index(flat[:, 0], flat[:, 1])] > 0
+    for guess in between:
+        canvas = lay_canvas(guess.alpha, None, guess.camera, cell=height / CELLS)
+        flat = canvas.flat(middle)
+        usual = (canvas.wanted**2).sum() / max(float(canvas.wanted.sum()), 1e-9)
+        thin = canvas.wanted < _THIN * usual
+        empty |= canvas.spread(thin.astype(np.float32))[canvas.index(flat[:, 0], flat[:, 1])] > 0
     way = np.linalg.norm(points - points[above], axis=1) * (empty & ~limb)
     particles = sum_to_root(parent, own)
     most = way.copy()  # through gaps, from the node's parent to any tip behind it

@@ -239,6 +239,7 @@ def run_branches(
     cameras: tuple[Camera, ...],
     edits: tuple[PaintedEdit, ...],
     leafy: bool,
+    between: tuple[GuessedView, ...],
 ) -> Skeleton:
     """The skeleton with radii: limbs where the graphs run, and as wide as the mattes show."""
     params = job.params.thickness
@@ -247,7 +248,9 @@ def run_branches(
         replace(one, alpha=np.maximum(one.alpha, two.alpha)) for one, two in zip(bare, mattes, strict=True)
     ]
     crown = tuple(zip(either, cameras, strict=True)) if leafy else ()
-    branches = build_skeleton(traces, limbs=limbs, crown=crown, edits=edits, params=job.params.branches)
+    branches = build_skeleton(
+        traces, limbs=limbs, crown=crown, edits=edits, between=between, params=job.params.branches
+    )
     trunk = _agreed_radius([measure_trunk(m, c) for m, c in zip(mattes, cameras, strict=True)])
     bounds = bound_radii(branches, limbs)
     if not leafy and params.exponent is None:

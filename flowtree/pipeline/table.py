@@ -249,7 +249,7 @@ STAGES: tuple[Stage, ...] = (
     Stage(
         name="branches",
         run=_late("run_branches"),
-        inputs=("traces", "limbs", "mattes", "bare_mattes", "cameras", "edits", "leafy"),
+        inputs=("traces", "limbs", "mattes", "bare_mattes", "cameras", "edits", "leafy", "between"),
         outputs=("branches",),
         params=("branches", "thickness"),
         share=0.1,

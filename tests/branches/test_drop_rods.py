@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from flowtree.branches.drop_rods import drop_rods
 from flowtree.geometry.parent_array import sum_to_root
 from flowtree.model.edit import PaintedEdit
+from flowtree.model.guessed_view import GuessedView
 from flowtree.model.matte import Matte
 from tests.crowns import HEIGHT, camera_at, plane_of
 
@@ -36,8 +37,8 @@ def stem_with_branch(tip_particles, direction=(1.0, 0.0, 0.0)):
     return parent, np.array(stem + branch), own, np.zeros(len(parent), np.bool_)
 
 
-def dropped(branches, mattes, longest=0.1):
-    return drop_rods(branches, mattes, CAMERAS, height=HEIGHT, longest=longest)
+def dropped(branches, mattes, longest=0.1, between=()):
+    return drop_rods(branches, mattes, CAMERAS, height=HEIGHT, longest=longest, between=between)
 
 
 def test_a_rod_through_a_gap_goes_and_its_particles_stay():
@@ -67,6 +68,18 @@ def test_an_unknown_gap_is_none():
     unknown = (right > 0.3) & (right < 1.7)
     mattes[0] = Matte(mattes[0].alpha, mattes[0].foreground, "trimap", unknown=unknown)
     assert len(dropped(stem_with_branch(4), mattes)[0]) == 43
+
+
+@pytest.mark.parametrize(("alpha", "nodes"), [(0.05, 31), (0.6, 43)])
+def test_a_twig_beyond_the_crown_that_no_photo_looks_at_goes(alpha, nodes):
+    """Both photos show leaves there, the volume none or some: of a round crown it is beyond the rim."""
+    camera = camera_at(45.0)
+    right, _ = plane_of(camera)
+    rim = GuessedView(np.where(np.abs(right) < 0.7, 0.7, alpha).astype(np.float32), camera, 1.0)
+    branches = stem_with_branch(4, (np.sqrt(0.5), 0.0, -np.sqrt(0.5)))
+    mattes = mattes_with((0.5, 0.5))
+    assert len(dropped(branches, mattes)[0]) == 43
+    assert len(dropped(branches, mattes, between=[rim])[0]) == nodes
 
 
 @settings(max_examples=15, deadline=None)
