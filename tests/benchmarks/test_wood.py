@@ -1,0 +1,79 @@
+"""The measure of the quad wood: a row a tree, closed, as thick as its skeleton, and smooth."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+
+from benchmarks import wood
+from benchmarks.__main__ import find_programs, run
+from flowtree.meshing.connect_ramifications import connect_ramifications
+from flowtree.pipeline.reconstruct import Reconstruction
+from tests.skeletons import random_skeleton
+
+
+def test_measures_a_tree_and_its_largest_branches(tmp_path, monkeypatch, capsys):
+    made = random_skeleton(3, 600)
+    monkeypatch.setattr(wood, "reconstruct", lambda *_, **__: _with(made))
+    monkeypatch.setattr(wood, "_TIMED", 40)
+    file = tmp_path / "wood.json"
+    code = run(["wood", "--data", str(tmp_path / "none"), "--runs", "1", "--json", str(file)])
+    head, rule, *rows, machine, said = capsys.readouterr().out.splitlines()
+    assert len(rows) == 2
+    assert head.count("|") == rule.count("|") == rows[0].count("|")
+    assert "cores" in machine
+    assert said.startswith("40 branches: quads ")
+    whole, fewer = json.loads(file.read_text())["trees"]
+    assert (whole["tree"], fewer["tree"]) == ("demo", "demo, fewer")
+    assert whole["branches"] > fewer["branches"] == 40
+    assert whole["closed"]
+    assert fewer["closed"]
+    assert code == (0 if fewer["seconds"] < 3.0 and fewer["ring_seconds"] < 0.3 else 1)
+
+
+def test_measures_the_surface_not_itself():
+    """A tree that is a tenth too thick is a tenth off and a fifth too heavy."""
+    made = random_skeleton(5, 120, stubborn=0.95)
+    row = wood.measure_wood("one", made)
+    assert row.off_median < 0.03
+    assert row.off_most < 0.12
+    assert row.volume == pytest.approx(1.0, abs=0.05)
+    thicker = dataclasses.replace(made, radius=np.float32(1.1) * made.radius)
+    off, wanted, _ = wood._compare(connect_ramifications(thicker), made)
+    assert np.median(off / wanted) == pytest.approx(1.1, abs=0.05)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_the_largest_branches_are_a_tree_of_their_own(seed):
+    made = random_skeleton(seed, 200)
+    for count in (1, 7, 30):
+        kept = wood.keep_largest(made, count)
+        assert wood.count_branches(kept) == count
+        assert (kept.parent[1:] < np.arange(1, len(kept.parent))).all()
+        assert kept.particles[0] == made.particles.max()
+        assert not kept.points[0].any()
+
+
+def test_an_open_surface_is_not_closed():
+    mesh = connect_ramifications(random_skeleton(1, 20))
+    assert wood.is_one_closed_surface(mesh)
+    assert not wood.is_one_closed_surface(dataclasses.replace(mesh, quads=mesh.quads[1:]))
+    turned = mesh.quads.copy()
+    turned[0] = turned[0, ::-1]
+    assert not wood.is_one_closed_surface(dataclasses.replace(mesh, quads=turned))
+
+
+def test_knows_its_trees(tmp_path, capsys):
+    assert "wood" in find_programs()
+    assert run(["wood", "--data", str(tmp_path / "none"), "--tree", "dmeo"]) == 1
+    assert "dmeo: must be a known tree" in capsys.readouterr().err
+
+
+def _with(skeleton):
+    """As much of a reconstruction as is measured."""
+    made = object.__new__(Reconstruction)
+    object.__setattr__(made, "skeleton", skeleton)
+    return made
