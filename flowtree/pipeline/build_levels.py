@@ -33,7 +33,7 @@ _LEAST = 64  # triangles, which may become fewer no more
 _COARSEST = {"sides": 3, "tolerance": 0.2}  # of meshing, for a trunk that is too fine for its budget
 _NEAR_ENOUGH = 0.94  # of the wood's triangles: more than this are used where there are branches left
 _TRIES, _SETTLED = 8, 1
-_REFINED, _ROOMY = 2, 1.1
+_REFINED, _ROOMY, _EVEN = 5, 1.1, 0.02  # tries at most, room and surface [shares] with which they end
 _FEWEST, _USUAL = 1, 3  # triangles of a branch
 _SPRAYED, _LARGEST_SPRAY = 2.2, 12  # leaves for each that is kept, from which on a card shows many; at most
 _LOST = 1.2  # by which the surface of coarse wood is usually less than it was
@@ -214,13 +214,17 @@ def _fit_wood(
             fits, finer = params.tolerance, 1.0
             for _ in range(_REFINED):
                 room = budget / best.cost
+                if room < _ROOMY and abs(best.surface - whole) < _EVEN * whole:
+                    break
                 if room > _ROOMY:  # triangles grow with about the inverse root of the tolerance
                     params = params.model_copy(update={"tolerance": fits / room**finer})
                 again = build(count)
                 if again.cost > budget:
                     high, finer = (count, again.cost), 0.5 * finer
-                else:
-                    best, fits = again, params.tolerance
+                    continue
+                fits = params.tolerance
+                if again.cost > _ROOMY * best.cost or abs(again.surface - whole) < abs(best.surface - whole):
+                    best = again
             if best.surface >= _ENOUGH * whole or high[1] <= budget:
                 return best
             params = params.model_copy(update={"tolerance": fits})

@@ -81,6 +81,16 @@ def test_wood_keeps_its_area_where_all_branches_just_fit(budget):
     assert _surface(level) == pytest.approx(_surface(BARE), rel=0.05)
 
 
+@pytest.mark.parametrize("budget", [24_000, 26_000, 30_000])
+def test_where_all_branches_fit_the_room_is_for_their_shape(budget):
+    """With a second level half as large as it may be, thin branches were flat and a tenth too thin."""
+    levels = build_levels(BARE, max_triangles=budget, count=2, device="cpu")
+    for level in levels:
+        assert len(level.skeleton.parent) == len(BARE.skeleton.parent)
+        assert _surface(level) == pytest.approx(_surface(BARE), rel=0.015)
+    assert _count(levels[0]) > 0.75 * budget
+
+
 def _surface(tree: TreeModel) -> float:
     a, b, c = (tree.wood.positions[tree.wood.triangles[:, k]].astype(float) for k in range(3))
     return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
