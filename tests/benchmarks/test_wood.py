@@ -26,8 +26,8 @@ def test_measures_a_tree_and_its_largest_branches(tmp_path, monkeypatch, capsys)
     assert head.count("|") == rule.count("|") == rows[0].count("|")
     assert "cores" in machine
     assert said.startswith("40 branches: quads ")
-    whole, fewer = json.loads(file.read_text())["trees"]
-    assert (whole["tree"], fewer["tree"]) == ("demo", "demo, fewer")
+    fewer, whole = json.loads(file.read_text())["trees"]
+    assert (fewer["tree"], whole["tree"]) == ("demo, fewer", "demo")
     assert whole["branches"] > fewer["branches"] == 40
     assert whole["closed"]
     assert fewer["closed"]
