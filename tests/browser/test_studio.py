@@ -52,6 +52,7 @@ def test_parameters_are_sliders_with_a_way_back(studio):
     entry.press("Enter")
     entry.blur()
     studio.until(lambda state: state["params"]["flow"]["particle_count"] == 700, "not set")
+    studio.settle()
     entry.fill("-3")
     entry.blur()
     studio.page.wait_for_selector(".q-notification")
@@ -59,6 +60,7 @@ def test_parameters_are_sliders_with_a_way_back(studio):
     studio.page.locator(".q-notification button").first.click()
     if studio.pictures is None:  # a small tree will do from now on, and is drawn where it is looked at
         studio.page.locator(".stage").get_by_text("Leaves", exact=True).click()
+        studio.page.locator(".q-notification").wait_for(state="detached")
         leaves = studio.page.locator('[data-param="leaves.most"] input')
         leaves.fill("3000")
         leaves.blur()
