@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import json
 import tempfile
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.describe_machine import describe_machine
-from benchmarks.likeness.bench import find_cutouts, find_photographs, find_truth
-from benchmarks.matted_pair import HEIGHT, PAIR
-from flowtree import check
+from benchmarks.tree_table import TreeTable, add_options, make_trees
 from flowtree.export.write_glb import write_glb
-from flowtree.files import write_whole
 from flowtree.geometry.projection import view_axes
 from flowtree.model.asset import Card
 from flowtree.model.camera import Camera
@@ -29,14 +24,13 @@ from flowtree.model.tree import TreeModel
 from flowtree.params import Params
 from flowtree.pipeline.build_levels import build_levels
 from flowtree.pipeline.equip_tree import equip_tree
-from flowtree.pipeline.reconstruct import Reconstruction, reconstruct
+from flowtree.pipeline.reconstruct import Reconstruction
 from flowtree.render.bake_impostor import bake_crossed, bake_octahedral
 from flowtree.render.fit_camera import fit_camera
 from flowtree.render.look_up_impostor import look_up_impostor
 from flowtree.render.render_mask import render_mask
 from flowtree.render.soft_iou import soft_iou
 
-_DATA = Path(__file__).parents[1] / ".." / "shared" / "data"
 _SIZE = 192  # [pixels], of the pictures that are compared
 _RUNS = 2  # of which the shorter counts
 _YAWS = (0.0, 45.0, 90.0, 160.0)
@@ -90,42 +84,14 @@ class LevelRow:
 def main(argv: list[str]) -> int:
     """Measures and prints a table in Markdown, then what it was measured on."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks levels", description=__doc__)
-    parser.add_argument("--data", type=Path, default=_DATA, help="the folder of known trees and photographs")
-    parser.add_argument("--tree", nargs="+", metavar="NAME", help="only these; demo is the bundled pair")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="the same numbers as a file")
+    add_options(parser)
     options = parser.parse_args(argv)
-    known = find_trees(options.data)
-    for name in options.tree or ():
-        check.require(
-            name in known, name, "must be a known tree", "another name", check.nearest_name(name, known)
-        )
-    print("| " + " | ".join(title for _, title in _HEAD) + " |")
-    print("|---|" + "---:|" * (len(_HEAD) - 1), flush=True)
-    rows = []
-    for name in options.tree or known:
-        photos, yaws = known[name]
-        result = reconstruct(photos, yaws=yaws, height=HEIGHT if name == "demo" else None)
-        rows.append(measure_levels(name, result))
-        print("| " + " | ".join(_cell(getattr(rows[-1], key)) for key, _ in _HEAD) + " |", flush=True)
-    print(describe_machine())
-    if options.json is not None:
-        report: dict[str, Any] = {"machine": describe_machine(), "trees": [asdict(row) for row in rows]}
-        write_whole(options.json, (json.dumps(report, indent=2) + "\n").encode())
+    trees = make_trees(options)
+    table = TreeTable(_HEAD, _cell)
+    for name, result in trees:
+        table.add(measure_levels(name, result))
+    table.end(options.json)
     return 0
-
-
-def find_trees(data: Path) -> dict[str, tuple[list[Path], list[float] | None]]:
-    """Photographs and yaws by name: the demo, and all that the data folder holds where there is one."""
-    found: dict[str, tuple[list[Path], list[float] | None]] = {"demo": (list(PAIR), [0.0, 90.0])}
-    if data.is_dir():
-        for name in find_truth(data):
-            folder = data / "truth" / name
-            found[name] = ([folder / "ortho_000.png", folder / "ortho_090.png"], [0.0, 90.0])
-        for name in find_cutouts(data):
-            found[name] = ([data / "cutouts" / f"{name}.png"], None)
-        for name in find_photographs(data):
-            found[name] = ([data / "photos" / f"{name}.jpg"], None)
-    return found
 
 
 def measure_levels(name: str, result: Reconstruction) -> LevelRow:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
@@ -15,11 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from benchmarks.describe_machine import describe_machine
-from benchmarks.levels import find_trees
-from benchmarks.matted_pair import HEIGHT
+from benchmarks.tree_table import TreeTable, add_options, make_trees
 from flowtree import check
-from flowtree.files import write_whole
 from flowtree.geometry.parent_array import child_count, main_child, parents_first
 from flowtree.geometry.polylines import nearest_on_segments
 from flowtree.geometry.quad_edges import pair_edges, quad_normals
@@ -28,9 +23,7 @@ from flowtree.meshing.sweep_rings import sweep_rings
 from flowtree.model.mesh import QuadMesh
 from flowtree.model.skeleton import Skeleton
 from flowtree.params import MeshingParams
-from flowtree.pipeline.reconstruct import reconstruct
 
-_DATA = Path(__file__).parents[1] / ".." / "shared" / "data"
 _SHARPEST = 60.0  # [degrees]
 _CLEAR = 4.0  # radii from forks, ends and the ground, within which wood is no tube
 _STRAIGHT = 0.94  # cosine of 20 degrees: where a line turns by more, it is no place to measure a tube
@@ -85,45 +78,30 @@ class WoodRow:
 def main(argv: list[str]) -> int:
     """Prints a table in Markdown; returns 0 where all is closed and 2,000 branches keep to their time."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks wood", description=__doc__)
-    parser.add_argument("--data", type=Path, default=_DATA, help="the folder of known trees and photographs")
-    parser.add_argument("--tree", nargs="+", metavar="NAME", help="only these; demo is the bundled pair")
+    add_options(parser)
     parser.add_argument(
         "--runs",
         type=int,
         default=3,
         help="of the largest branches of the first tree, of which the median time counts",
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="the same numbers as a file")
     options = parser.parse_args(argv)
     check.require(options.runs > 0, "--runs", "must be at least 1", options.runs, "give more")
-    known = find_trees(options.data)
-    for name in options.tree or ():
-        check.require(
-            name in known, name, "must be a known tree", "another name", check.nearest_name(name, known)
-        )
-    print("| " + " | ".join(title for _, title in _HEAD) + " |")
-    print("|---|" + "---:|" * (len(_HEAD) - 1), flush=True)
-    rows: list[WoodRow] = []
-    for number, name in enumerate(options.tree or known):
-        photos, yaws = known[name]
-        skeleton = reconstruct(photos, yaws=yaws, height=HEIGHT if name == "demo" else None).skeleton
-        parts = [(name, skeleton, 1)]
-        if not number:
-            parts.insert(0, (f"{name}, fewer", keep_largest(skeleton, _TIMED), options.runs))
-        for label, part, runs in parts:
-            rows.append(measure_wood(label, part, runs))
-            print("| " + " | ".join(_cell(getattr(rows[-1], key)) for key, _ in _HEAD) + " |", flush=True)
-    print(describe_machine())
-    if options.json is not None:
-        report: dict[str, Any] = {"machine": describe_machine(), "trees": [asdict(row) for row in rows]}
-        write_whole(options.json, (json.dumps(report, indent=2) + "\n").encode())
-    timed = rows[0]
+    trees = make_trees(options)
+    table = TreeTable(_HEAD, _cell)
+    for name, result in trees:
+        if not table.rows:
+            fewer = keep_largest(result.skeleton, _TIMED)
+            table.add(measure_wood(f"{name}, fewer", fewer, options.runs))
+        table.add(measure_wood(name, result.skeleton))
+    table.end(options.json)
+    timed: WoodRow = table.rows[0]
     kept = timed.seconds < _ASKED["quads"] and timed.ring_seconds < _ASKED["rings"]
     print(
         f"{timed.branches} branches: quads {timed.seconds:.2f} s (asked < {_ASKED['quads']:g}),"
         f" rings {timed.ring_seconds:.3f} s (asked < {_ASKED['rings']:g})"
     )
-    return 0 if kept and all(row.closed for row in rows) else 1
+    return 0 if kept and all(row.closed for row in table.rows) else 1
 
 
 def measure_wood(name: str, skeleton: Skeleton, runs: int = 1) -> WoodRow:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import json
 
-from benchmarks import levels
+from benchmarks import levels, tree_table
 from benchmarks.__main__ import find_programs, run
 from flowtree.configuration import override_params
 from flowtree.params import Params
@@ -15,8 +15,8 @@ from tests.pictures import save_pair
 
 def test_measures_the_bundled_pair_where_there_is_no_data(tmp_path, monkeypatch, capsys):
     small = override_params(Params(), ["flow.particle_count=600", "leaves.most=3000"])
-    monkeypatch.setattr(levels, "reconstruct", functools.partial(reconstruct, params=small))
-    monkeypatch.setattr(levels, "PAIR", save_pair(tmp_path))
+    monkeypatch.setattr(tree_table, "reconstruct", functools.partial(reconstruct, params=small))
+    monkeypatch.setattr(tree_table, "PAIR", save_pair(tmp_path))
     for name, fewer in {"_RUNS": 1, "_SIZE": 96, "_YAWS": (20.0,), "_BETWEEN": (20.0,)}.items():
         monkeypatch.setattr(levels, name, fewer)
     file = tmp_path / "levels.json"

@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 
-from benchmarks import wood
+from benchmarks import tree_table, wood
 from benchmarks.__main__ import find_programs, run
 from flowtree.meshing.connect_ramifications import connect_ramifications
 from flowtree.pipeline.reconstruct import Reconstruction
@@ -17,7 +17,7 @@ from tests.skeletons import random_skeleton
 
 def test_measures_a_tree_and_its_largest_branches(tmp_path, monkeypatch, capsys):
     made = random_skeleton(3, 600)
-    monkeypatch.setattr(wood, "reconstruct", lambda *_, **__: _with(made))
+    monkeypatch.setattr(tree_table, "reconstruct", lambda *_, **__: _with(made))
     monkeypatch.setattr(wood, "_TIMED", 40)
     file = tmp_path / "wood.json"
     code = run(["wood", "--data", str(tmp_path / "none"), "--runs", "1", "--json", str(file)])

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.wood import is_one_closed_surface
 from flowtree.errors import InputError
 from flowtree.geometry.closed_surfaces import is_watertight
 from flowtree.meshing.close_seams import close_seams
@@ -27,18 +28,6 @@ skeletons = st.builds(
     step_in_thickness=st.sampled_from([0.0, 0.5]),
     steep=st.booleans(),
 )
-
-
-def is_one_closed_surface(mesh):
-    """Whether every edge is passed once in each direction, and Euler's characteristic is a sphere's."""
-    quads, count = mesh.quads.astype(np.int64), len(mesh.positions)
-    start, end = quads.ravel(), np.roll(quads, -1, axis=1).ravel()
-    passed = np.sort(start * count + end)
-    closed = np.array_equal(passed, np.sort(end * count + start)) and bool(np.all(np.diff(passed) > 0))
-    corners = np.sort(quads, axis=1)
-    whole = bool(np.all(np.diff(corners, axis=1) > 0)) and len(np.unique(quads)) == count
-    # A vertex where two sheets touch would raise the count of vertices that a sphere needs.
-    return closed and whole and count - len(passed) // 2 + len(quads) == 2
 
 
 def furcation(children, angle=50.0, radius=None, seed=0):
