@@ -98,7 +98,7 @@ def subdivide_corners(
     where subdivision moves a surface.
     """
     place, corner = split_corners(quads, values)
-    flat = np.empty((len(place), values.shape[2]))
+    flat = np.zeros((len(place), values.shape[2]))  # a vertex may have no quad any more
     flat[corner] = values
     finer, rows, _ = subdivide_quads(flat, corner, rounding=rounding)
     return np.asarray(finer[rows], np.float64)

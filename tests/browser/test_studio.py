@@ -45,10 +45,14 @@ def test_parameters_are_sliders_with_a_way_back(studio):
     assert changed["undo"] is not None
     row.locator(".param-reset").click()
     studio.until(lambda state: state["params"]["leaves"]["amount"] == 1.0, "not reset")
-    studio.settle()  # what the page shows anew must not fall into what is typed next
     studio.page.locator(".shape").get_by_text("Particle flow", exact=True).click()
     entry = studio.page.locator('[data-param="flow.particle_count"] input')
-    entry.fill("700")
+    entry.fill("70")
+    studio.settle()  # what the page is told meanwhile leaves alone what is half typed
+    studio.page.wait_for_selector(".state-dot.rest")
+    assert entry.input_value() == "70"
+    entry.press("End")
+    entry.press("0")
     entry.press("Enter")
     entry.blur()
     studio.until(lambda state: state["params"]["flow"]["particle_count"] == 700, "not set")
@@ -57,10 +61,12 @@ def test_parameters_are_sliders_with_a_way_back(studio):
     entry.blur()
     studio.page.wait_for_selector(".q-notification")
     assert studio.state()["params"]["flow"]["particle_count"] == 700
+    studio.page.wait_for_function(
+        "document.querySelector('[data-param=\"flow.particle_count\"] input').value === '700'"
+    )
     studio.page.locator(".q-notification button").first.click()
     if studio.pictures is None:  # a small tree will do from now on, and is drawn where it is looked at
         studio.page.locator(".stage").get_by_text("Leaves", exact=True).click()
-        studio.page.locator(".q-notification").wait_for(state="detached")
         leaves = studio.page.locator('[data-param="leaves.most"] input')
         leaves.fill("3000")
         leaves.blur()
@@ -223,10 +229,10 @@ def test_a_variant_is_chosen(studio):
     studio.page.get_by_text("Six others of its kind").click()
     studio.page.wait_for_function("document.querySelectorAll('.variant').length === 6")
     studio.page.wait_for_function("document.querySelectorAll('.variant:not(.waiting)').length > 0")
-    studio.page.locator(".status").get_by_text("Stop").click()  # while others are still on their way
-    studio.page.wait_for_selector(".state-dot.stopped")
-    studio.page.locator(".variant").first.click()
-    studio.until(lambda state: state["seed"] == 1, "not chosen")
+    tile = studio.page.locator(".variant:not(.waiting)").first  # while others may still be on their way
+    chosen = int(tile.inner_text())
+    tile.click()
+    studio.until(lambda state: state["seed"] == chosen, "not chosen")
     studio.page.wait_for_selector(".variant.chosen")
     studio.settle()
 

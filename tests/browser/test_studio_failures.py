@@ -52,12 +52,13 @@ def _workers(parent: int) -> list[int]:
     return found
 
 
-def test_a_crash_a_full_disk_and_a_lost_connection_lose_nothing(browser, project):
+def test_a_stop_a_crash_a_full_disk_and_a_lost_connection_lose_nothing(browser, project):
     port = free_port()
     with watch_page(browser, expected=_LOST, viewport={"width": 1280, "height": 800}) as page:
         with run_studio(project, port) as (address, process):
             studio = Studio(address, project, page)
             studio.settle()
+            _stop(studio, process.pid)
             _crash(studio, process.pid)
             _fill_the_disk(studio, process.pid)
             process.kill()
@@ -77,18 +78,34 @@ def test_a_crash_a_full_disk_and_a_lost_connection_lose_nothing(browser, project
             studio.settle()
 
 
-def _crash(studio: Studio, pid: int) -> None:
-    """Both workers die while they are at work."""
+def _begin(studio: Studio, pid: int, seed: str) -> list[int]:
+    """Has another tree made by workers that are halted: else it might be there before anybody looks."""
     workers = _workers(pid)
     assert len(workers) == 2
-    for worker in workers:  # else they might have done their work before anybody looks
-        os.kill(worker, signal.SIGSTOP)
-    seed = studio.page.locator(".shape .field input")
-    seed.fill("5")
-    seed.press("Enter")
-    seed.blur()
-    studio.until(lambda state: state["seed"] == 5 and state["busy"], "not begun")
     for worker in workers:
+        os.kill(worker, signal.SIGSTOP)
+    entry = studio.page.locator(".shape .field input")
+    entry.fill(seed)
+    entry.press("Enter")
+    entry.blur()
+    studio.until(lambda state: state["seed"] == int(seed) and state["busy"], "not begun")
+    return workers
+
+
+def _stop(studio: Studio, pid: int) -> None:
+    """A person stops what runs, and goes on."""
+    _begin(studio, pid, "4")
+    studio.page.locator(".status").get_by_text("Stop").click()
+    studio.page.wait_for_selector(".state-dot.stopped")
+    assert not studio.state()["busy"]
+    studio.page.locator(".status").get_by_text("Grow").click()
+    studio.settle()
+    studio.page.wait_for_selector(".state-dot.rest")
+
+
+def _crash(studio: Studio, pid: int) -> None:
+    """Both workers die while they are at work."""
+    for worker in _begin(studio, pid, "5"):
         os.kill(worker, signal.SIGKILL)
     studio.page.locator(".q-notification").get_by_text("ended unexpectedly").wait_for()
     assert studio.page.locator(".state-dot.failed").count() == 1

@@ -51,6 +51,18 @@ def test_it_is_catmull_and_clarks_rule(seed, steps):
     assert np.array_equal(np.sort(rows[:, 0]), np.sort(quads.ravel()))
 
 
+def test_values_at_corners_hang_on_nothing_that_was_in_memory(monkeypatch):
+    quads = SIDES[:3] + 9  # a vertex of no quad, as a paste leaves them, has no value
+    values = np.random.default_rng(0).random((3, 4, 2))
+    plain = subdivide_corners(quads, values, rounding=ROUND)
+
+    def dirty(shape, dtype=np.float64):
+        return np.full(shape, np.finfo(dtype).max if dtype is np.float64 else -1, dtype)
+
+    monkeypatch.setattr(np, "empty", dirty)
+    assert np.array_equal(subdivide_corners(quads, values, rounding=ROUND), plain)
+
+
 def test_a_sphere_stays_one():
     positions, quads = CUBE, SIDES
     for _ in range(3):

@@ -8,6 +8,7 @@ from nicegui import ui
 
 from flowtree.studio.page.choices import Choice, ChoiceRow, quiet_tip
 from flowtree.studio.page.components import PhotoBoard
+from flowtree.studio.page.entry_field import EntryField
 from flowtree.studio.page.swatches import Swatches
 from flowtree.studio.page.workbench import Mode, Workbench
 
@@ -109,10 +110,10 @@ class BoardTools:
                 self._cut = ui.switch("Cut out", on_change=lambda event: self.how(cutout=event.value))
                 self._cut.props("dense")
                 ui.element("div").classes("space")
-                self._yaw = ui.input("Yaw").props("dense borderless suffix=°").classes("field")
-                self._yaw.on("change", self._typed_yaw)
-                self._height = ui.input("Height").props("dense borderless suffix=m").classes("field")
-                self._height.on("change", self._typed_height)
+                self._yaw = EntryField(self._typed_yaw, "Yaw")
+                self._yaw.input.props("suffix=°").classes("field")
+                self._height = EntryField(self._typed_height, "Height")
+                self._height.input.props("suffix=m").classes("field")
         self.bench.watch(self.show)
 
     def build_views(self) -> None:
@@ -239,27 +240,27 @@ class BoardTools:
     def _show_numbers(self) -> None:
         state = self.bench.state
         if state["photos"]:
-            self._yaw.set_value(f"{state['photos'][self.bench.photo]['yaw']:g}")
-        self._height.set_value("" if state["height"] is None else f"{state['height']:g}")
+            self._yaw.show(f"{state['photos'][self.bench.photo]['yaw']:g}")
+        self._height.show("" if state["height"] is None else f"{state['height']:g}")
 
-    def _typed_yaw(self) -> None:
-        yaw = _number(self._yaw.value)
+    def _typed_yaw(self, text: str) -> None:
+        yaw = _number(text)
         if yaw is None:
             self._show_numbers()
         else:
             self.bench.do("SetYaw", photo=self.bench.photo, yaw=yaw)
 
-    def _typed_height(self) -> None:
-        height = _number(self._height.value)
-        if height is None and str(self._height.value or "").strip():
+    def _typed_height(self, text: str) -> None:
+        height = _number(text)
+        if height is None and text:
             self._show_numbers()
         else:
             self.bench.do("SetHeight", height=height)
 
 
-def _number(text: object) -> float | None:
+def _number(text: str) -> float | None:
     try:
-        return float(str(text).replace(",", "."))
+        return float(text.replace(",", "."))
     except ValueError:
         return None
 

@@ -10,6 +10,7 @@ from nicegui import ui
 from nicegui.elements.mixins.value_element import ValueElement
 
 from flowtree.studio.page.choices import quiet_tip
+from flowtree.studio.page.entry_field import EntryField
 from flowtree.studio.page.workbench import Workbench
 
 _STEPS = 200  # of a slider
@@ -77,15 +78,14 @@ class ParamRow:
             return lambda value: set_value(switch, value)
         if field["kind"] in ("number", "whole"):
             return self._number()
-        entry = ui.input().props("dense borderless").classes("param-entry")
-        entry.on("change", lambda: self._set(read_text(str(entry.value or ""), field)))
-        return lambda value: set_value(entry, write_text(value))
+        entry = EntryField(lambda text: self._set(read_text(text, field)))
+        entry.input.classes("param-entry")
+        return lambda value: entry.show(write_text(value))
 
     def _number(self) -> Callable[[Any], None]:
         field = self.field
-        entry = ui.input().props(f'dense borderless inputmode=decimal suffix="{_short(field["unit"])}"')
-        entry.classes("param-entry")
-        entry.on("change", lambda: self._typed(entry))
+        entry = EntryField(self._typed)
+        entry.input.props(f'inputmode=decimal suffix="{_short(field["unit"])}"').classes("param-entry")
         scale = Scale(field)
         self._slider = slider = ui.slider(min=0, max=_STEPS, step=1, value=0)
         slider.props("dense").classes("param-slider")
@@ -94,13 +94,12 @@ class ParamRow:
         slider.on("change", self._end_gesture)
 
         def show(value: Any) -> None:
-            entry.set_value("auto" if value is None else write_number(value))
+            entry.show("auto" if value is None else write_number(value))
             slider.set_value(scale.place(field["default"] if value is None else value))
 
         return show
 
-    def _typed(self, entry: ui.input) -> None:
-        text = str(entry.value or "").strip()
+    def _typed(self, text: str) -> None:
         self._end_gesture()
         if text in ("", "auto") and self.field["optional"]:
             self._set(None)

@@ -39,9 +39,21 @@ class StatusLine:
             self._again.props("flat dense no-caps").classes("quiet").mark("run")
             ui.element("div").classes("space")
             self._figures = ui.label().classes("figures").mark("figures")
-        self.rest("Ready" if not bench.session.busy else "Working")
-        if bench.session.busy:
-            self.progress("tree", "", 0.0)
+        self._busy = False
+        self.rest("Ready")
+        bench.watch(self.show)
+
+    def show(self) -> None:
+        """Whether something runs, also before anything is heard of it: it can be stopped from the first."""
+        busy = self.bench.state["busy"] and not self.bench.state["problem"]
+        if busy == self._busy:
+            return
+        if self._busy:
+            self.rest("Ready")
+        else:
+            self._text.set_text("Working")
+            self._share.style("width:0%")
+            self._state("busy")
 
     def progress(self, job: str, stage: str, share: float) -> None:
         """What is done now, and how much of it is behind."""
@@ -96,11 +108,12 @@ class StatusLine:
         self._figures.set_text("  ·  ".join(part for part in parts if part))
 
     def _state(self, state: str) -> None:
-        if state != "busy":
+        self._busy = state == "busy"
+        if not self._busy:
             self._cut = 0.0
         self._dot.classes(replace=f"state-dot {state}")
-        self._bar.set_visibility(state == "busy")
-        self._cancel.set_visibility(state == "busy")
+        self._bar.set_visibility(self._busy)
+        self._cancel.set_visibility(self._busy)
         self._again.set_visibility(state in ("stopped", "failed"))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from nicegui import ui
 
 from flowtree.studio.page.choices import icon_button
+from flowtree.studio.page.entry_field import EntryField
 from flowtree.studio.page.workbench import Workbench
 
 _COUNT = 6
@@ -17,12 +18,12 @@ class VariantGrid:
         self.bench = bench
         self.seeds: list[int] = []
         self._urls: dict[int, str] = {}
-        self._shown: object = None
+        self._tiles: dict[int, tuple[ui.element, ui.element]] = {}
         with ui.element("div").classes("section-head"):
             ui.label("Variants")
             ui.element("div").classes("space")
-            self._seed = ui.input("Seed").props("dense borderless").classes("field")
-            self._seed.on("change", self._typed)
+            self._seed = EntryField(self._typed, "Seed")
+            self._seed.input.classes("field")
             icon_button("casino", "Another tree of the same kind", self.another)
             self._more = icon_button("auto_awesome_mosaic", "Show six others to choose from", self.ask)
         self._grid = ui.element("div").classes("variants")
@@ -53,37 +54,35 @@ class VariantGrid:
         self.show()
 
     def show(self) -> None:
-        """Builds the grid anew where something of it changed."""
+        """Builds the grid anew only where its seeds are others: a click must not fall between two tiles."""
         seed = int(self.bench.state["seed"])
-        self._seed.set_value(str(seed))
+        self._seed.show(str(seed))
         self._more.set_enabled(bool(self.bench.state["photos"]))
-        wanted = (tuple(self.seeds), dict(self._urls), seed)
-        if wanted == self._shown:
-            return
-        self._shown = wanted
+        if list(self._tiles) != self.seeds or not self.seeds:
+            self._build()
+        for other, (tile, picture) in self._tiles.items():
+            url = self._urls.get(other)
+            words = ("chosen" if other == seed else "", "" if url else "waiting")
+            tile.classes(replace=" ".join(("variant", *words)))
+            picture.style(replace=f"background-image:url('{url}')" if url else "")
+
+    def _build(self) -> None:
         self._grid.clear()
         with self._grid:
             if not self.seeds:
                 with ui.element("button").classes("variants-empty").on("click", self.ask):
                     ui.label("Six others of its kind")
-            for other in self.seeds:
-                self._tile(other, other == seed)
+            self._tiles = {seed: self._tile(seed) for seed in self.seeds}
 
-    def _tile(self, seed: int, chosen: bool) -> None:
-        url = self._urls.get(seed)
-        tile = ui.element("button").classes(
-            f"variant{' chosen' if chosen else ''}{'' if url else ' waiting'}"
-        )
+    def _tile(self, seed: int) -> tuple[ui.element, ui.element]:
+        with ui.element("button") as tile:
+            picture = ui.element("div").classes("variant-picture")
+            ui.label(str(seed))
         tile.props(f'aria-label="Seed {seed}"').mark(f"variant-{seed}")
         tile.on("click", lambda: self.bench.do("SetSeed", seed=seed))
-        with tile:
-            ui.element("div").classes("variant-picture").style(
-                f"background-image:url('{url}')" if url else ""
-            )
-            ui.label(str(seed))
+        return tile, picture
 
-    def _typed(self) -> None:
-        text = str(self._seed.value or "").strip()
+    def _typed(self, text: str) -> None:
         if text.isdecimal():
             self.bench.do("SetSeed", seed=int(text))
         else:

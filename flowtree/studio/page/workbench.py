@@ -76,7 +76,9 @@ class Workbench:
         self.changed()
 
     def refresh(self) -> None:
-        """Takes the session's state over."""
+        """Takes the session's state over, unless something is yet to be asked of it: a control shows that."""
+        if not self._jobs.empty():
+            return
         self.state = self.session.state_json()
         self.photo = min(self.photo, max(len(self.state["photos"]) - 1, 0))
         self.changed()
@@ -96,5 +98,4 @@ class Workbench:
                 self._tell(str(error))
             if number is not None:
                 self.acknowledged = number
-            if self._jobs.empty():
-                self.refresh()
+            self.refresh()
