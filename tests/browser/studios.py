@@ -18,7 +18,7 @@ from typing import Any
 
 from tests.browser.chromium import open_browser, watch_page
 
-PATIENCE = 60.0  # [s]; what takes longer hangs, on a busy machine too
+PATIENCE = 120.0  # [s]; what takes longer hangs, on a busy machine too
 _START = "from flowtree.cli.main import main; main()"
 
 
