@@ -134,7 +134,7 @@ class Studio:
     def _take(self, name: str) -> None:
         """Waits until the board has a tool: people look before they draw."""
         self.page.wait_for_selector(f'.photos [data-choice="{name}"].chosen:visible')
-        self.page.wait_for_timeout(100)
+        self.page.wait_for_selector(f'.photo-board canvas[data-tool~="{name}"]')
 
     def show(self, name: str) -> None:
         """Shows or hides a layer of the viewer, or chooses how it is shown."""

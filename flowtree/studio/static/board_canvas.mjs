@@ -76,6 +76,7 @@ export class BoardCanvas {
     const context = this.#enterFrame(this.ink);
     context.clearRect(0, 0, this.width, this.height);
     this.ink.style.cursor = this.#cursorStyle();
+    this.ink.dataset.tool = `${board.tool.mode} ${board.tool.name}`; // for who looks from outside
     if (!board.single) return;
     if (board.live?.draw) {
       this.#enterPhoto(context);
