@@ -21,12 +21,14 @@ from flowtree.meshing.classify_ramifications import (
 )
 from flowtree.meshing.find_exits import Exits, leave_wood
 from flowtree.meshing.find_hosts import find_faces, find_holes
+from flowtree.meshing.free_edges import free_edges
 from flowtree.meshing.grow_branches import Growth, grow_branches
 from flowtree.meshing.lay_rings import lay_rings
 from flowtree.meshing.paste_ramifications import fill_face, paste_subdivided
 from flowtree.meshing.place_units import place_units, shape_collars
 from flowtree.meshing.relax_creases import relax_creases
 from flowtree.meshing.spread_creases import spread_creases
+from flowtree.meshing.unfold_creases import unfold_creases
 from flowtree.model.mesh import QuadMesh
 from flowtree.model.skeleton import Skeleton
 from flowtree.params import MeshingParams
@@ -98,13 +100,12 @@ def connect_ramifications(
     mesh = grow_branches(work, 0, none)
     for step in range(1, steps + 1):
         if step == steps:
-            mesh = _relaxed(mesh, _SHARP_BEFORE, _ROUNDS_BEFORE)
+            mesh = _rounded(mesh)
         mesh = _subdivided(mesh)
         mesh = _pasted(work, step - 1, mesh)
         mesh = grow_branches(work, step, mesh)
     if steps:
-        mesh = _relaxed(mesh, _SHARP, _ROUNDS)
-        mesh = replace(mesh, positions=spread_creases(mesh, limit=_SHARPEST, kept=(BASE, FOOT)))
+        mesh = replace(mesh, positions=_smooth(mesh))
     return _finished(mesh, float(skeleton.points[0, 1]))
 
 
@@ -142,9 +143,20 @@ def _bases(mesh: ControlMesh, branch: Ints) -> Ints:
     return rows
 
 
-def _relaxed(mesh: ControlMesh, limit: float, rounds: int) -> ControlMesh:
-    """The mesh with its creases of more than a limit [degrees] rounded."""
-    return replace(mesh, positions=relax_creases(mesh, limit=limit, rounds=rounds, kept=(BASE, FOOT)))
+def _rounded(mesh: ControlMesh) -> ControlMesh:
+    """The mesh before its last subdivision, its sharpest edges rounded."""
+    edges, limit, rounds = free_edges(mesh, (BASE, FOOT)), _SHARP_BEFORE, _ROUNDS_BEFORE
+    return replace(
+        mesh, positions=relax_creases(mesh.positions, mesh.quads, edges, limit=limit, rounds=rounds)
+    )
+
+
+def _smooth(mesh: ControlMesh) -> Floats:
+    """The finished mesh's positions without creases: most are rounded, the rest spread, folds laid anew."""
+    quads, edges = mesh.quads, free_edges(mesh, (BASE, FOOT))
+    positions = relax_creases(mesh.positions, quads, edges, limit=_SHARP, rounds=_ROUNDS)
+    positions = spread_creases(positions, quads, edges, limit=_SHARPEST)
+    return unfold_creases(positions, quads, edges, limit=_SHARPEST)
 
 
 def _subdivided(mesh: ControlMesh) -> ControlMesh:

@@ -2,22 +2,42 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from flowtree.geometry.quad_edges import pair_edges
-from flowtree.meshing.branch_axes import Ints
+from flowtree.geometry.quad_edges import pair_edges, quad_normals
+from flowtree.meshing.branch_axes import Floats, Ints
 from flowtree.meshing.build_tubes import ControlMesh
 
 
-def free_edges(mesh: ControlMesh, kept: tuple[int, ...]) -> tuple[NDArray[np.bool_], Ints, Ints]:
-    """Vertices (n,) that no quad of the kept kinds has, and the edges (e,) that lie between two other quads.
+@dataclass(frozen=True)
+class FreeEdges:
+    """Vertices that may move, and the edges between quads that may turn against each other.
 
-    Returns: which vertices may move; the corners from which each edge leaves, as `pair_edges` gives them.
+    Attributes:
+        moves: (n,), which vertices.
+        one: (e,) corners from which the edges leave in their one quad, as `pair_edges` gives them.
+        two: (e,), the same in their other quad.
     """
+
+    moves: NDArray[np.bool_]
+    one: Ints
+    two: Ints
+
+
+def free_edges(mesh: ControlMesh, kept: tuple[int, ...]) -> FreeEdges:
+    """Vertices that no quad of the kept kinds has, and the edges that lie between two other quads."""
     still = np.isin(mesh.kind, kept)
     moves = np.ones(len(mesh.positions), np.bool_)
     moves[mesh.quads[still]] = False
     one, two = pair_edges(mesh.quads)
     counts = ~(still[one // 4] | still[two // 4])
-    return moves, one[counts], two[counts]
+    return FreeEdges(moves, one[counts], two[counts])
+
+
+def edge_cosines(positions: Floats, quads: Ints, edges: FreeEdges) -> Floats:
+    """(e,), between the normals of the edges' two quads."""
+    normal = quad_normals(positions, quads)
+    return np.asarray(np.einsum("ed,ed->e", normal[edges.one // 4], normal[edges.two // 4]))

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from flowtree.geometry.quad_edges import quad_normals
 from flowtree.meshing.branch_axes import Floats, Ints
-from flowtree.meshing.build_tubes import ControlMesh
-from flowtree.meshing.free_edges import free_edges
+from flowtree.meshing.free_edges import FreeEdges
 
 Bools = NDArray[np.bool_]
 
@@ -18,7 +17,7 @@ _RINGS = 3  # of quads around a crease that may give way in these
 _ALIKE = 1e-12  # of the mesh's extent; nearer neighbours would pull without bound
 
 
-def relax_creases(mesh: ControlMesh, *, limit: float, rounds: int, kept: tuple[int, ...]) -> Floats:
+def relax_creases(positions: Floats, quads: Ints, edges: FreeEdges, *, limit: float, rounds: int) -> Floats:
     """Moves vertices until few edges turn by more than a limit.
 
     Each end of a crease goes to the straight line between its neighbours across the crease, the nearer one
@@ -28,15 +27,15 @@ def relax_creases(mesh: ControlMesh, *, limit: float, rounds: int, kept: tuple[i
     is left to `spread_creases`. Not in the paper, which shows forks with room around them.
 
     Args:
-        mesh: closed; an edge has two quads.
+        positions: (n, 3) [m].
+        quads: (m, 4).
+        edges: what may move.
         limit: [degrees] between the normals of two quads.
         rounds: at most; some creases between folded quads never go.
-        kept: kinds of quads whose vertices and edges stay.
 
     Returns: positions (n, 3) [m].
     """
-    positions, quads = mesh.positions.copy(), mesh.quads
-    moves, one, two = free_edges(mesh, kept)
+    positions, moves, one, two = positions.copy(), edges.moves, edges.one, edges.two
     cosine = float(np.cos(np.radians(limit)))
     tiny = _ALIKE * float(np.ptp(positions, axis=0).max())
     for turn in range(rounds):

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from flowtree.geometry.catmull_clark import order_of
 from flowtree.geometry.quad_edges import quad_normals
 from flowtree.meshing.branch_axes import Floats, Ints
-from flowtree.meshing.build_tubes import ControlMesh
-from flowtree.meshing.free_edges import free_edges
+from flowtree.meshing.free_edges import FreeEdges, edge_cosines
 
 Bools = NDArray[np.bool_]
 
@@ -18,36 +17,36 @@ _SPELLS, _STEPS = 8, 80  # of descent; each spell looks at one ring of quads mor
 _RINGS = 2  # of quads around a crease that may give way in the first spell
 _RATE, _MOMENTUM = 0.02, 0.8
 _FURTHEST = 0.05  # of the edges' length that a vertex goes in a step
+_THINNEST = 1e-9  # area of a quad by its diagonals' squares
 _LEAST, _MOST = 0.2, 0.5  # weights of a crease just beyond what is aimed at, and of the sharpest
 
 
-def spread_creases(mesh: ControlMesh, *, limit: float, kept: tuple[int, ...]) -> Floats:
+def spread_creases(positions: Floats, quads: Ints, edges: FreeEdges, *, limit: float) -> Floats:
     """Moves vertices around creases by gradient descent until no edge turns by more than a limit.
 
     What is left by `relax_creases` lies where thin branches crowd each other and quads are folded: there no
     place is right for one vertex alone. Here all vertices of a neighbourhood move down the slope of the sum,
     over its creases, of how far the cosine between the two quads' normals lies below the limit's; what
     becomes a crease thereby counts from the next step on, until all turn a little. The vertices' connections
-    stay, so the surface stays closed. Not in the paper.
+    stay, so the surface stays closed. Folds of two quads on each other are left to `unfold_creases`. Not in
+    the paper.
 
     Args:
-        mesh: closed; an edge has two quads.
+        positions: (n, 3) [m].
+        quads: (m, 4).
+        edges: what may move.
         limit: [degrees] between the normals of two quads.
-        kept: kinds of quads whose vertices and edges stay.
 
     Returns: positions (n, 3) [m].
     """
-    positions, quads = mesh.positions.copy(), mesh.quads
-    moves, *corners = free_edges(mesh, kept)
-    one, two = (corner // 4 for corner in corners)
+    positions, moves = positions.copy(), edges.moves
+    one, two = edges.one // 4, edges.two // 4
+    sharp = np.flatnonzero(edge_cosines(positions, quads, edges) < np.cos(np.radians(limit)))
+    if not len(sharp):
+        return positions
     beside = _Lists(np.concatenate([one, two]), np.tile(np.arange(len(one)), 2), len(quads))
     around = _Lists(quads.ravel(), np.arange(quads.size) // 4, len(positions))
-    looked_at = np.arange(len(one))
     for rings in range(_RINGS, _RINGS + _SPELLS):
-        here, there = one[looked_at], two[looked_at]
-        sharp = looked_at[_cosines(positions, quads, here, there) < np.cos(np.radians(limit))]
-        if not len(sharp):
-            break
         near = np.unique(quads[np.concatenate([one[sharp], two[sharp]])])
         for _ in range(rings - 1):
             near = np.unique(quads[around.of(near)])
@@ -56,9 +55,13 @@ def spread_creases(mesh: ControlMesh, *, limit: float, kept: tuple[int, ...]) ->
         looked_at = beside.of(around.of(near))
         part = np.unique(np.concatenate([one[looked_at], two[looked_at]]))
         vertex, piece = np.unique(quads[part], return_inverse=True)
-        edges = np.searchsorted(part, one[looked_at]), np.searchsorted(part, two[looked_at])
+        sides = np.searchsorted(part, one[looked_at]), np.searchsorted(part, two[looked_at])
         free = np.isin(vertex, near)
-        positions[vertex] = _descend(positions[vertex], piece.reshape(-1, 4), edges, free, limit)
+        positions[vertex] = _descend(positions[vertex], piece.reshape(-1, 4), sides, free, limit)
+        here, there = one[looked_at], two[looked_at]
+        sharp = looked_at[_cosines(positions, quads, here, there) < np.cos(np.radians(limit))]
+        if not len(sharp):
+            break
     return positions
 
 
@@ -96,7 +99,9 @@ def _descend(positions: Floats, quads: Ints, edges: tuple[Ints, Ints], free: Boo
     for _ in range(_STEPS):
         first, second = (place[:, quads[:, k + 2]] - place[:, quads[:, k]] for k in (0, 1))
         across = _cross(first, second)
-        extent = np.maximum(np.sqrt(_dot(across, across)), 1e-300)
+        # Of a quad that is a line no slope is without bound.
+        least = _THINNEST * (_dot(first, first) + _dot(second, second)) + 1e-300
+        extent = np.maximum(np.sqrt(_dot(across, across)), least)
         normal = across / extent
         beyond = wanted - _dot(normal[:, one], normal[:, two])
         sharp = np.flatnonzero(beyond > 0.0)

@@ -1,11 +1,11 @@
-import dataclasses
-
 import numpy as np
 import pytest
 
 from flowtree.geometry.quad_edges import pair_edges, quad_normals
 from flowtree.meshing.build_tubes import BASE, CLOSED, ControlMesh
+from flowtree.meshing.free_edges import free_edges
 from flowtree.meshing.spread_creases import spread_creases
+from flowtree.meshing.unfold_creases import unfold_creases
 
 
 def tube(rings=24, sides=12, radius=0.1, length=0.04):
@@ -38,7 +38,7 @@ def test_a_dent_and_a_fold_are_spread_and_nothing_far_from_them_moves(ring):
     dented[12 * ring] *= (0.2, 1.0, 0.2)  # deeper than the quads are wide
     dented[12 * ring + 6 : 12 * ring + 8, 1] += 0.05  # past the next ring
     assert steepest(dented, mesh.quads) > 100.0
-    spread = spread_creases(dataclasses.replace(mesh, positions=dented), limit=59.5, kept=(BASE,))
+    spread = spread_creases(dented, mesh.quads, free_edges(mesh, (BASE,)), limit=59.5)
     assert steepest(spread, mesh.quads) <= 59.5
     far = np.abs(np.arange(len(spread)) // 12 - ring) > 9
     assert np.array_equal(spread[far], dented[far])
@@ -46,9 +46,36 @@ def test_a_dent_and_a_fold_are_spread_and_nothing_far_from_them_moves(ring):
 
 def test_smooth_surfaces_and_kept_quads_stay():
     mesh = tube()
-    same = spread_creases(mesh, limit=59.5, kept=(BASE,))
-    assert np.array_equal(same, mesh.positions)
+    edges = free_edges(mesh, (BASE,))
+    for smooth in (spread_creases, unfold_creases):
+        same = smooth(mesh.positions, mesh.quads, edges, limit=59.5)
+        assert np.array_equal(same, mesh.positions)
     dented = mesh.positions.copy()
     dented[13] *= (0.2, 1.0, 0.2)
-    spread = spread_creases(dataclasses.replace(mesh, positions=dented), limit=59.5, kept=(BASE,))
+    spread = spread_creases(dented, mesh.quads, free_edges(mesh, (BASE,)), limit=59.5)
     assert np.array_equal(spread[:24], dented[:24])
+
+
+@pytest.mark.parametrize("sides", [3, 12])
+def test_a_fold_that_spreading_cannot_turn_is_laid_anew(sides):
+    mesh = tube(rings=44)
+    edges = free_edges(mesh, (BASE,))
+    folded = mesh.positions.copy()
+    rows = 12 * (20 + np.arange(2))[:, None] + np.arange(sides)
+    folded[rows] = folded[rows[::-1]]  # quads lie on their neighbours, upside down
+    stuck = spread_creases(folded, mesh.quads, edges, limit=59.5)
+    assert steepest(stuck, mesh.quads) > 150.0
+    laid = unfold_creases(stuck, mesh.quads, edges, limit=59.5)
+    assert steepest(laid, mesh.quads) <= 59.5
+    far = np.abs(np.arange(len(laid)) // 12 - 20.5) > 17
+    assert np.array_equal(laid[far], folded[far])
+    assert np.linalg.norm(laid[:, [0, 2]], axis=1).min() > 0.05, "thinner"
+
+
+def test_a_quad_that_is_a_line_is_opened():
+    mesh = tube()
+    flat = mesh.positions.copy()
+    flat[[144, 156]] = flat[[156, 144]]
+    flat[[144, 156]] *= (0.7, 1.0, 0.7)
+    spread = spread_creases(flat, mesh.quads, free_edges(mesh, (BASE,)), limit=59.5)
+    assert steepest(spread, mesh.quads) <= 59.5
