@@ -20,6 +20,7 @@ from flowtree.geometry.polylines import nearest_on_segments
 from flowtree.geometry.quad_edges import pair_edges, quad_normals
 from flowtree.meshing.connect_ramifications import connect_ramifications
 from flowtree.meshing.sweep_rings import sweep_rings
+from flowtree.meshing.trace_chains import trace_chains
 from flowtree.model.mesh import QuadMesh
 from flowtree.model.skeleton import Skeleton
 from flowtree.params import MeshingParams
@@ -184,7 +185,7 @@ def _compare(mesh: QuadMesh, skeleton: Skeleton) -> tuple[_Array, _Array, _Array
     carrier = mesh.node.astype(np.int64)[mesh.quads[:, 0]]
     # Nearest on the unforked stretch that carries it: the node's segment, and those before and behind.
     ends = child_count(parent) != 1
-    following = main_child(parent, skeleton.particles)
+    following = _goes_on(skeleton)
     # A side branch begins as thick as it is, not as its host.
     first = np.where(following[parent] == np.arange(len(parent)), radius[parent], radius)
     before = np.where(ends[parent], -1, parent)
@@ -212,7 +213,7 @@ def _stands_clear(
     """Quads far from where a branch leaves another, from tips, from bends and from the ground."""
     parent, points = skeleton.parent.astype(np.int64), skeleton.points.astype(np.float64)
     stretch = np.arange(len(parent))  # the node at which the branch of each begins
-    following = main_child(parent, skeleton.particles)
+    following = _goes_on(skeleton)
     for node in range(1, len(parent)):
         if following[parent[node]] == node and parent[node] > 0:
             stretch[node] = stretch[parent[node]]
@@ -231,6 +232,16 @@ def _stands_clear(
     distance, nearest = cKDTree(places).query(middle)
     clear = distance > _CLEAR * radii[nearest]
     return np.asarray(clear & (middle[:, 1] > _CLEAR * skeleton.radius[0]))
+
+
+def _goes_on(skeleton: Skeleton) -> _Ints:
+    """(n,) the node that carries each one's branch on, as the wood has it; -1 at tips."""
+    chains = trace_chains(skeleton)
+    begins = np.diff(chains.chain, prepend=0) > 0  # with a copy of the node that it leaves
+    rows = np.flatnonzero((chains.chain[1:] == chains.chain[:-1]) & ~begins[:-1])
+    following = np.full(len(skeleton.parent), -1)
+    following[chains.node[rows]] = chains.node[rows + 1]
+    return following
 
 
 def _median_time(work: Callable[[], Any], runs: int) -> tuple[Any, float]:

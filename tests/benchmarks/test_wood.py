@@ -12,7 +12,7 @@ from benchmarks import tree_table, wood
 from benchmarks.__main__ import find_programs, run
 from flowtree.meshing.connect_ramifications import connect_ramifications
 from flowtree.pipeline.reconstruct import Reconstruction
-from tests.skeletons import random_skeleton
+from tests.skeletons import random_skeleton, skeleton_of
 
 
 def test_measures_a_tree_and_its_largest_branches(tmp_path, monkeypatch, capsys):
@@ -44,6 +44,16 @@ def test_measures_the_surface_not_itself():
     thicker = dataclasses.replace(made, radius=np.float32(1.1) * made.radius)
     off, wanted, _ = wood._compare(connect_ramifications(thicker), made)
     assert np.median(off / wanted) == pytest.approx(1.1, abs=0.05)
+
+
+def test_measures_a_branch_where_the_wood_has_it_go_on():
+    """Of two equal branches the straight one goes on, though the other comes first; it begins as thick."""
+    parent = np.array([-1, 0, 1, 1, 2, 3])
+    points = np.array([[0, 0, 0], [0, 2, 0], [1.5, 3.5, 0], [0, 5, 0], [3, 5, 0], [0, 8, 0]], float)
+    made = skeleton_of(parent, points, np.random.default_rng(0))
+    assert made.particles[2] == made.particles[3]
+    assert wood._goes_on(made).tolist() == [1, 3, 4, 5, -1, -1]
+    assert wood.measure_wood("fork", made).off_most < 0.06
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
