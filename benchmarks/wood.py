@@ -29,6 +29,7 @@ _SHARPEST = 60.0  # [degrees]
 _CLEAR = 4.0  # radii from forks, ends and the ground, within which wood is no tube
 _STRAIGHT = 0.94  # cosine of 20 degrees: where a line turns by more, it is no place to measure a tube
 _TIMED, _ASKED = 2000, {"quads": 3.0, "rings": 0.3}  # branches, and what their wood may take [s]
+_SPANNED = 8  # nodes before a quad's own that may be nearer to it
 _AT_ONCE = 200_000  # quads whose place is looked up together
 _HEAD = (
     ("tree", "tree"),
@@ -183,16 +184,18 @@ def _compare(mesh: QuadMesh, skeleton: Skeleton) -> tuple[_Array, _Array, _Array
     middle = corner.mean(axis=1)
     area = 0.5 * np.linalg.norm(np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]), axis=1)
     carrier = mesh.node.astype(np.int64)[mesh.quads[:, 0]]
-    # Nearest on the unforked stretch that carries it: the node's segment, and those before and behind.
-    ends = child_count(parent) != 1
+    # Nearest on the branch that carries it: the node's segment, that behind it, and some before it, since a
+    # quad bears the highest of the nodes that its control ring spans.
     following = _goes_on(skeleton)
     # A side branch begins as thick as it is, not as its host.
     first = np.where(following[parent] == np.arange(len(parent)), radius[parent], radius)
-    before = np.where(ends[parent], -1, parent)
-    following = np.where(ends, -1, following)
+    before = np.where((following[parent] == np.arange(len(parent))) & (parent > 0), parent, -1)
+    looked_at = [following[carrier], carrier]
+    for _ in range(_SPANNED):
+        looked_at.append(np.where(looked_at[-1] > 0, before[looked_at[-1]], -1))
     off = np.full(len(middle), np.inf)
     wanted = np.ones(len(middle))
-    for node in (carrier, before[carrier], following[carrier]):
+    for node in looked_at:
         for begin in range(0, len(middle), _AT_ONCE):
             rows = np.arange(begin, min(begin + _AT_ONCE, len(middle)))
             rows = rows[node[rows] > 0]
@@ -220,6 +223,13 @@ def _stands_clear(
     one, two = (corner // 4 for corner in pair_edges(mesh.quads.astype(np.int64)))
     seam = np.flatnonzero(stretch[carrier[one]] != stretch[carrier[two]])
     ends = [(middle[one[seam]], np.minimum(wanted[one[seam]], wanted[two[seam]]))]
+    # The nodes that carry quads change at a ring of the branch, a thick one's shoulder lies before it.
+    side = np.flatnonzero((following[np.maximum(parent, 0)] != np.arange(len(parent))) & (parent >= 0))
+    way = points[side] - points[parent[side]]
+    length = np.linalg.norm(way, axis=1, keepdims=True)
+    out = np.minimum(skeleton.radius[parent[side], None], length)
+    leaving = points[parent[side]] + out * way / np.maximum(length, 1e-12)
+    ends.append((leaving, skeleton.radius[side]))
     tips = np.flatnonzero(child_count(parent) == 0)
     ends.append((points[tips], skeleton.radius[tips]))
     way = points - points[np.maximum(parent, 0)]

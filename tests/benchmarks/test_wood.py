@@ -11,6 +11,7 @@ import pytest
 from benchmarks import tree_table, wood
 from benchmarks.__main__ import find_programs, run
 from flowtree.meshing.connect_ramifications import connect_ramifications
+from flowtree.params import MeshingParams
 from flowtree.pipeline.reconstruct import Reconstruction
 from tests.skeletons import random_skeleton, skeleton_of
 
@@ -54,6 +55,22 @@ def test_measures_a_branch_where_the_wood_has_it_go_on():
     assert made.particles[2] == made.particles[3]
     assert wood._goes_on(made).tolist() == [1, 3, 4, 5, -1, -1]
     assert wood.measure_wood("fork", made).off_most < 0.06
+
+
+def test_measures_a_quad_at_the_nearest_node(monkeypatch):
+    """Rings of a thick trunk span several nodes; a quad bears the highest, and may lie far below it."""
+    trunk, fork = 90, 30
+    parent = np.append(np.arange(trunk) - 1, [fork, trunk])
+    points = [[0.0, 0.1 * k, 0.0] for k in range(trunk)] + [[1.0, 4.0, 0.0], [2.0, 5.0, 0.0]]
+    made = skeleton_of(parent, np.array(points), np.random.default_rng(0))
+    radius = np.where(np.arange(len(parent)) <= fork, 0.4, 0.2).astype(np.float32)
+    made = dataclasses.replace(made, radius=radius)
+    mesh = connect_ramifications(made, params=MeshingParams(root_flare=0.0))
+    off, wanted, _ = wood._compare(mesh, made)
+    assert (off / wanted).max() < 1.01
+    monkeypatch.setattr(wood, "_SPANNED", 0)
+    off, wanted, _ = wood._compare(mesh, made)
+    assert (off / wanted).max() > 1.05
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
