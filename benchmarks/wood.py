@@ -17,7 +17,7 @@ from benchmarks.tree_table import TreeTable, add_options, make_trees
 from flowtree import check
 from flowtree.geometry.parent_array import child_count, main_child, parents_first
 from flowtree.geometry.polylines import nearest_on_segments
-from flowtree.geometry.quad_edges import pair_edges, quad_normals
+from flowtree.geometry.quad_edges import edge_cosines, pair_edges
 from flowtree.meshing.connect_ramifications import connect_ramifications
 from flowtree.meshing.sweep_rings import sweep_rings
 from flowtree.meshing.trace_chains import trace_chains
@@ -111,9 +111,7 @@ def measure_wood(name: str, skeleton: Skeleton, runs: int = 1) -> WoodRow:
     mesh, seconds = _median_time(lambda: connect_ramifications(skeleton), runs)
     _, ring_seconds = _median_time(lambda: sweep_rings(skeleton), runs)
     positions, quads = mesh.positions.astype(np.float64), mesh.quads.astype(np.int64)
-    one, two = (corner // 4 for corner in pair_edges(quads))
-    normals = quad_normals(positions, quads)
-    turn = np.einsum("ij,ij->i", normals[one], normals[two])
+    turn = edge_cosines(positions, quads, *pair_edges(quads))
     # The flare at the foot is wanted, and no fault of the surface.
     plain = connect_ramifications(skeleton, params=MeshingParams(root_flare=0.0))
     off, wanted, area = _compare(plain, skeleton)
@@ -223,13 +221,6 @@ def _stands_clear(
     one, two = (corner // 4 for corner in pair_edges(mesh.quads.astype(np.int64)))
     seam = np.flatnonzero(stretch[carrier[one]] != stretch[carrier[two]])
     ends = [(middle[one[seam]], np.minimum(wanted[one[seam]], wanted[two[seam]]))]
-    # The nodes that carry quads change at a ring of the branch, a thick one's shoulder lies before it.
-    side = np.flatnonzero((following[np.maximum(parent, 0)] != np.arange(len(parent))) & (parent >= 0))
-    way = points[side] - points[parent[side]]
-    length = np.linalg.norm(way, axis=1, keepdims=True)
-    out = np.minimum(skeleton.radius[parent[side], None], length)
-    leaving = points[parent[side]] + out * way / np.maximum(length, 1e-12)
-    ends.append((leaving, skeleton.radius[side]))
     tips = np.flatnonzero(child_count(parent) == 0)
     ends.append((points[tips], skeleton.radius[tips]))
     way = points - points[np.maximum(parent, 0)]

@@ -24,6 +24,12 @@ def pair_edges(quads: Ints) -> tuple[Ints, Ints]:
     return order[first], order[first + 1]
 
 
+def edge_cosines(positions: Floats, quads: Ints, one: Ints, two: Ints) -> Floats:
+    """(e,), between the normals of the two quads of edges that leave from corners one (e,) and two (e,)."""
+    normal = quad_normals(positions, quads)
+    return np.asarray(np.einsum("ed,ed->e", normal[one // 4], normal[two // 4]))
+
+
 def quad_normals(positions: Floats, quads: Ints) -> Floats:
     """(m, 3), across both diagonals; unit, or 0 where a quad is a line."""
     first, second = (positions[quads[:, k + 2]] - positions[quads[:, k]] for k in (0, 1))

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flowtree.geometry.quad_edges import pair_edges, quad_normals
-from flowtree.meshing.branch_axes import Floats, Ints
+from flowtree.geometry.quad_edges import pair_edges
+from flowtree.meshing.branch_axes import Ints
 from flowtree.meshing.build_tubes import ControlMesh
 
 
@@ -35,9 +35,3 @@ def free_edges(mesh: ControlMesh, kept: tuple[int, ...]) -> FreeEdges:
     one, two = pair_edges(mesh.quads)
     counts = ~(still[one // 4] | still[two // 4])
     return FreeEdges(moves, one[counts], two[counts])
-
-
-def edge_cosines(positions: Floats, quads: Ints, edges: FreeEdges) -> Floats:
-    """(e,), between the normals of the edges' two quads."""
-    normal = quad_normals(positions, quads)
-    return np.asarray(np.einsum("ed,ed->e", normal[edges.one // 4], normal[edges.two // 4]))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flowtree.geometry.quad_edges import quad_normals
+from flowtree.geometry.quad_edges import edge_cosines
 from flowtree.meshing.branch_axes import Floats, Ints
 from flowtree.meshing.free_edges import FreeEdges
 
@@ -39,8 +39,7 @@ def relax_creases(positions: Floats, quads: Ints, edges: FreeEdges, *, limit: fl
     cosine = float(np.cos(np.radians(limit)))
     tiny = _ALIKE * float(np.ptp(positions, axis=0).max())
     for turn in range(rounds):
-        normal = quad_normals(positions, quads)
-        bend = np.einsum("ed,ed->e", normal[one // 4], normal[two // 4])
+        bend = edge_cosines(positions, quads, one, two)
         sharp = np.flatnonzero(bend < cosine)
         if not len(sharp):
             break

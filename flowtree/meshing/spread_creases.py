@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flowtree.geometry.catmull_clark import order_of
-from flowtree.geometry.quad_edges import quad_normals
+from flowtree.geometry.quad_edges import edge_cosines, quad_normals
 from flowtree.meshing.branch_axes import Floats, Ints
-from flowtree.meshing.free_edges import FreeEdges, edge_cosines
+from flowtree.meshing.free_edges import FreeEdges
 
 Bools = NDArray[np.bool_]
 
@@ -41,7 +41,7 @@ def spread_creases(positions: Floats, quads: Ints, edges: FreeEdges, *, limit: f
     """
     positions, moves = positions.copy(), edges.moves
     one, two = edges.one // 4, edges.two // 4
-    sharp = np.flatnonzero(edge_cosines(positions, quads, edges) < np.cos(np.radians(limit)))
+    sharp = np.flatnonzero(edge_cosines(positions, quads, edges.one, edges.two) < np.cos(np.radians(limit)))
     if not len(sharp):
         return positions
     beside = _Lists(np.concatenate([one, two]), np.tile(np.arange(len(one)), 2), len(quads))

@@ -8,8 +8,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
+from flowtree.geometry.quad_edges import edge_cosines
 from flowtree.meshing.branch_axes import Floats, Ints
-from flowtree.meshing.free_edges import FreeEdges, edge_cosines
+from flowtree.meshing.free_edges import FreeEdges
 from flowtree.meshing.spread_creases import spread_creases
 
 Bools = NDArray[np.bool_]
@@ -75,7 +76,7 @@ def _unfolded(positions: Floats, quads: Ints, edges: FreeEdges, limit: float) ->
 
 def _creased(positions: Floats, quads: Ints, edges: FreeEdges, limit: float) -> Bools:
     """Quads (m,) that turn by more than the limit against another."""
-    sharp = np.flatnonzero(edge_cosines(positions, quads, edges) < np.cos(np.radians(limit)))
+    sharp = np.flatnonzero(edge_cosines(positions, quads, edges.one, edges.two) < np.cos(np.radians(limit)))
     creased = np.zeros(len(quads), np.bool_)
     creased[edges.one[sharp] // 4] = creased[edges.two[sharp] // 4] = True
     return creased
