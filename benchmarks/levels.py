@@ -25,7 +25,8 @@ from flowtree.params import Params
 from flowtree.pipeline.build_levels import build_levels
 from flowtree.pipeline.equip_tree import equip_tree
 from flowtree.pipeline.reconstruct import Reconstruction
-from flowtree.render.bake_impostor import bake_crossed, bake_octahedral
+from flowtree.render.bake_crossed import bake_crossed
+from flowtree.render.bake_octahedral import bake_octahedral
 from flowtree.render.fit_camera import fit_camera
 from flowtree.render.look_up_impostor import look_up_impostor
 from flowtree.render.render_mask import render_mask

@@ -362,7 +362,10 @@ class AssetParams(StageParams):
     texture_size: int = _number(2048, "longer side of a texture at most", ge=16, le=8192, unit="px")
     atlas: bool = _choice(False, "whether bark and leaf share one texture")
     impostor: Literal["none", "crossed", "octahedral"] = _choice(
-        "none", "cards for far away: three that cross, or one with pictures from all around"
+        "none", "cards for far away: some that cross, or one with pictures from all around"
+    )
+    impostor_cards: int = _number(
+        11, "crossed cards behind each other, in each of three directions: fewer draw faster", ge=1, le=32
     )
     impostor_size: int = _number(
         2048, "height and width of the impostor's texture", ge=64, le=8192, unit="px"

@@ -47,9 +47,10 @@ def build_asset(
 
 
 def _bake(tree: TreeModel, params: AssetParams, device: str | None) -> Card:
-    from flowtree.render.bake_impostor import bake_crossed, bake_octahedral  # as few
+    from flowtree.render.bake_crossed import bake_crossed  # few ask for either
+    from flowtree.render.bake_octahedral import bake_octahedral
 
     size = params.impostor_size
     if params.impostor == "crossed":
-        return bake_crossed(tree, size=size, device=device)
+        return bake_crossed(tree, cards=params.impostor_cards, size=size, device=device)
     return bake_octahedral(tree, size=size, frames=params.impostor_frames, device=device)
