@@ -13,7 +13,8 @@ from flowtree.meshing.free_edges import FreeEdges
 Bools = NDArray[np.bool_]
 
 _SPARE = 2.5  # [degrees] that descent aims below the limit
-_SPELLS, _STEPS = 8, 80  # of descent; each spell looks at one ring of quads more
+STEPS = 80  # of a spell of descent
+_SPELLS = 8  # each looks at one ring of quads more
 _RINGS = 2  # of quads around a crease that may give way in the first spell
 _RATE, _MOMENTUM = 0.02, 0.8
 _FURTHEST = 0.05  # of the edges' length that a vertex goes in a step
@@ -21,7 +22,9 @@ _THINNEST = 1e-9  # area of a quad by its diagonals' squares
 _LEAST, _MOST = 0.2, 0.5  # weights of a crease just beyond what is aimed at, and of the sharpest
 
 
-def spread_creases(positions: Floats, quads: Ints, edges: FreeEdges, *, limit: float) -> Floats:
+def spread_creases(
+    positions: Floats, quads: Ints, edges: FreeEdges, *, limit: float, steps: int = STEPS
+) -> Floats:
     """Moves vertices around creases by gradient descent until no edge turns by more than a limit.
 
     What is left by `relax_creases` lies where thin branches crowd each other and quads are folded: there no
@@ -36,6 +39,7 @@ def spread_creases(positions: Floats, quads: Ints, edges: FreeEdges, *, limit: f
         quads: (m, 4).
         edges: what may move.
         limit: [degrees] between the normals of two quads.
+        steps: of each spell of descent, at most.
 
     Returns: positions (n, 3) [m].
     """
@@ -57,7 +61,7 @@ def spread_creases(positions: Floats, quads: Ints, edges: FreeEdges, *, limit: f
         vertex, piece = np.unique(quads[part], return_inverse=True)
         sides = np.searchsorted(part, one[looked_at]), np.searchsorted(part, two[looked_at])
         free = np.isin(vertex, near)
-        positions[vertex] = _descend(positions[vertex], piece.reshape(-1, 4), sides, free, limit)
+        positions[vertex] = _descend(positions[vertex], piece.reshape(-1, 4), sides, free, limit, steps)
         here, there = one[looked_at], two[looked_at]
         sharp = looked_at[_cosines(positions, quads, here, there) < np.cos(np.radians(limit))]
         if not len(sharp):
@@ -86,7 +90,9 @@ def _cosines(positions: Floats, quads: Ints, one: Ints, two: Ints) -> Floats:
     return np.asarray(np.einsum("ed,ed->e", normal[place[: len(one)]], normal[place[len(one) :]]))
 
 
-def _descend(positions: Floats, quads: Ints, edges: tuple[Ints, Ints], free: Bools, limit: float) -> Floats:
+def _descend(
+    positions: Floats, quads: Ints, edges: tuple[Ints, Ints], free: Bools, limit: float, steps: int
+) -> Floats:
     """Positions (n, 3) of a piece of the surface after a spell downhill; edges (e,) by their quads."""
     one, two = edges
     wanted = np.cos(np.radians(limit - _SPARE))
@@ -96,7 +102,7 @@ def _descend(positions: Floats, quads: Ints, edges: tuple[Ints, Ints], free: Boo
     size = np.bincount(corner, minlength=count) / np.bincount(corner, 1.0 / np.maximum(length, 1e-300), count)
     size[~free] = 0.0
     place, speed = positions.T.copy(), np.zeros((3, count))
-    for _ in range(_STEPS):
+    for _ in range(steps):
         first, second = (place[:, quads[:, k + 2]] - place[:, quads[:, k]] for k in (0, 1))
         across = _cross(first, second)
         # Of a quad that is a line no slope is without bound.

@@ -11,11 +11,11 @@ from scipy.sparse.linalg import splu
 from flowtree.geometry.quad_edges import edge_cosines
 from flowtree.meshing.branch_axes import Floats, Ints
 from flowtree.meshing.free_edges import FreeEdges
-from flowtree.meshing.spread_creases import spread_creases
+from flowtree.meshing.spread_creases import STEPS, spread_creases
 
 Bools = NDArray[np.bool_]
 
-_TURNS = 3  # in which pieces are cut anew
+_TURNS = 4  # in which pieces are cut anew, and descent may take twice as many steps as before
 # Rings of quads around a crease that are laid anew, and whether as a plate or as a membrane.
 _TRIALS = tuple((rings, plate) for rings in (1, 2, 3, 4, 6) for plate in (True, False))
 _MARGIN = 14  # rings of quads around a crease that belong to its piece: more than spreading moves
@@ -39,7 +39,7 @@ def unfold_creases(positions: Floats, quads: Ints, edges: FreeEdges, *, limit: f
     Returns: positions (n, 3) [m].
     """
     positions = positions.copy()
-    for _ in range(_TURNS):
+    for turn in range(_TURNS):
         part = _widened(quads, _creased(positions, quads, edges, limit), _MARGIN)
         if not part.any():
             break
@@ -50,15 +50,15 @@ def unfold_creases(positions: Floats, quads: Ints, edges: FreeEdges, *, limit: f
         within = part[edges.one // 4] & part[edges.two // 4]
         one, two = (4 * number[corner[within] // 4] + corner[within] % 4 for corner in (edges.one, edges.two))
         piece = FreeEdges(moves[vertex], one, two)
-        positions[vertex] = _unfolded(positions[vertex], rows.reshape(-1, 4), piece, limit)
+        positions[vertex] = _unfolded(positions[vertex], rows.reshape(-1, 4), piece, limit, STEPS << turn)
     return positions
 
 
-def _unfolded(positions: Floats, quads: Ints, edges: FreeEdges, limit: float) -> Floats:
+def _unfolded(positions: Floats, quads: Ints, edges: FreeEdges, limit: float, steps: int) -> Floats:
     """Positions (n, 3) after all trials with the pieces around creases."""
-    steps = coo_array((np.ones(3 * len(quads)), (quads[:, :3].ravel(), quads[:, 1:].ravel())))
-    steps.resize(len(positions), len(positions))
-    piece = connected_components(steps, directed=False)[1][quads[:, 0]]
+    beside = coo_array((np.ones(3 * len(quads)), (quads[:, :3].ravel(), quads[:, 1:].ravel())))
+    beside.resize(len(positions), len(positions))
+    piece = connected_components(beside, directed=False)[1][quads[:, 0]]
     creased = _creased(positions, quads, edges, limit)
     for rings, plate in _TRIALS:
         if not creased.any():
@@ -66,7 +66,7 @@ def _unfolded(positions: Floats, quads: Ints, edges: FreeEdges, limit: float) ->
         free = np.zeros(len(positions), np.bool_)
         free[quads[_widened(quads, creased, rings - 1)]] = True
         laid = _laid(positions, quads, free & edges.moves, plate)
-        laid = spread_creases(laid, quads, edges, limit=limit)
+        laid = spread_creases(laid, quads, edges, limit=limit, steps=steps)
         still = _creased(laid, quads, edges, limit)
         better = (np.bincount(piece, still) < np.bincount(piece, creased))[piece]
         positions[quads[better]] = laid[quads[better]]

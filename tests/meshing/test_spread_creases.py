@@ -44,6 +44,15 @@ def test_a_dent_and_a_fold_are_spread_and_nothing_far_from_them_moves(ring):
     assert np.array_equal(spread[far], dented[far])
 
 
+def test_what_few_steps_leave_more_steps_undo():
+    mesh = tube()
+    dented = mesh.positions.copy()
+    dented[12 * 12] *= (0.2, 1.0, 0.2)
+    edges = free_edges(mesh, (BASE,))
+    few, more = (spread_creases(dented, mesh.quads, edges, limit=59.5, steps=steps) for steps in (1, 160))
+    assert steepest(few, mesh.quads) > 59.5 >= steepest(more, mesh.quads)
+
+
 def test_smooth_surfaces_and_kept_quads_stay():
     mesh = tube()
     edges = free_edges(mesh, (BASE,))
