@@ -37,15 +37,18 @@ class GlbMaterials:
         masked = material.alpha_cutoff is not None
         # A cut-out picture is used once, edge to edge: repeating it would let the far edge shine through.
         wrap = _CLAMP if masked and not material.repeats else _REPEAT
+        smaller = _LINEAR_MIPMAP_LINEAR if material.mipmaps else _LINEAR
+        color = self._texture(material.base_color, material.name, wrap, smaller, masked)
         surface = {
-            "baseColorTexture": {"index": self._texture(material.base_color, material.name, wrap, masked)},
+            "baseColorTexture": {"index": color},
             "baseColorFactor": [*factor.tolist(), 1.0],
             "metallicFactor": 0.0,
             "roughnessFactor": float(material.roughness),
         }
         entry: dict[str, Any] = {"name": material.name, "pbrMetallicRoughness": surface}
         if material.normal is not None:
-            index = self._texture(material.normal, f"{material.name}_normal", wrap, masked=False)
+            name = f"{material.name}_normal"
+            index = self._texture(material.normal, name, wrap, _LINEAR_MIPMAP_LINEAR, masked=False)
             entry["normalTexture"] = {"index": index}
         if masked:
             entry |= {"alphaMode": "MASK", "alphaCutoff": material.alpha_cutoff}
@@ -61,12 +64,12 @@ class GlbMaterials:
             entry["extensions"] = {"KHR_materials_diffuse_transmission": through}
         return self._builder.share("materials", entry)
 
-    def _texture(self, pixels: NDArray[np.uint8], name: str, wrap: int, masked: bool) -> int:
+    def _texture(self, pixels: NDArray[np.uint8], name: str, wrap: int, smaller: int, masked: bool) -> int:
         data, media = self._packed[id(pixels), masked]
         if data not in self._images:
             image = {"name": name, "mimeType": media, "bufferView": self._builder.view(data)}
             self._images[data] = self._builder.add("images", image)
-        sampler = {"magFilter": _LINEAR, "minFilter": _LINEAR_MIPMAP_LINEAR, "wrapS": wrap, "wrapT": wrap}
+        sampler = {"magFilter": _LINEAR, "minFilter": smaller, "wrapS": wrap, "wrapT": wrap}
         entry = {"sampler": self._builder.share("samplers", sampler), "source": self._images[data]}
         return self._builder.share("textures", entry)
 

@@ -62,7 +62,9 @@ def spray_leaf(material: Material, aspect: float, count: int) -> tuple[TreeMesh,
         uvs=np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32),
         triangles=np.array([[0, 1, 2], [0, 2, 3]], np.int32),
     )
-    return card, replace(material, name=f"{material.name}_spray", base_color=texture, normal=None)
+    name = f"{material.name}_spray"
+    # Averaged from afar, hardly any of its leaves would pass the alpha test.
+    return card, replace(material, name=name, base_color=texture, normal=None, mipmaps=False)
 
 
 def _unit(vectors: Floats) -> NDArray[np.float32]:

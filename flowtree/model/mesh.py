@@ -22,6 +22,8 @@ class Material:
         alpha_cutoff: below this alpha the surface is not there; None is opaque.
         translucency: 0..1, how much of the light that a thin leaf does not mirror shines through it.
         repeats: whether the texture goes on beyond its edges even where alpha is tested; an opaque one does.
+        mipmaps: whether smaller copies of the colours may stand for them; not where the share of pixels that
+            pass the alpha test says how much is there: averaged, all or none of them would.
     """
 
     name: str
@@ -32,6 +34,7 @@ class Material:
     alpha_cutoff: float | None = None
     translucency: float = 0.0
     repeats: bool = False
+    mipmaps: bool = True
 
 
 @dataclass(frozen=True)

@@ -92,7 +92,8 @@ def bake_crossed(tree: TreeModel, *, cards: int = 11, size: int = 2048, device: 
     from all sides; one card of each yaw stands in the trunk (see `space_planes`). Each card shows so much
     that all together hide what the tree does (see `share_cards`). The texture has colours without light,
     alpha for an alpha test at 0.5 (see `keep_coverage`), and normals in each card's own tangent space (see
-    `bake_pictures`). Seen from behind a card shows the same.
+    `bake_pictures`). Seen from behind a card shows the same. From far away, too, the texture itself is to be
+    sampled, not smaller copies of it (`Material.mipmaps`).
 
     Args:
         tree: world frame [m].
@@ -116,7 +117,7 @@ def bake_crossed(tree: TreeModel, *, cards: int = 11, size: int = 2048, device: 
                 places.append(float(where))
                 parts.append(_part(scene, nearest == plane))
     pictures, shape = _arrange(axes, places, parts, size)
-    material = bake_pictures(pictures, shape, "impostor_crossed", device=device)
+    material = replace(bake_pictures(pictures, shape, "impostor_crossed", device=device), mipmaps=False)
     mesh = lay_cards(pictures, shape)
     whole = material.base_color[:, :, 3].astype(np.float32) / np.float32(255.0)
 

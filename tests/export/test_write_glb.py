@@ -188,6 +188,17 @@ def test_bark_repeats_and_leaves_do_not() -> None:
     assert wrap == {"bark": 10497, "bark_normal": 10497, "leaf": 33071}
 
 
+def test_colours_that_want_no_mipmaps_are_sampled_themselves_and_normals_have_them() -> None:
+    tree = hand_made_tree()
+    tree = dataclasses.replace(tree, bark=dataclasses.replace(tree.bark, mipmaps=False))
+    document, _ = take_apart(encode_glb(tree))
+    smaller = {
+        image["name"]: document["samplers"][texture["sampler"]]["minFilter"]
+        for texture, image in zip(document["textures"], document["images"], strict=True)
+    }
+    assert smaller == {"bark": 9729, "bark_normal": 9987, "leaf": 9987}
+
+
 def test_normals_of_no_or_odd_length_become_unit_vectors() -> None:
     tree = unusual_tree()
     tree.wood.normals[1] = (0, 3, 4)
