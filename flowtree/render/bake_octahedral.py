@@ -9,6 +9,7 @@ import numpy as np
 from flowtree import check
 from flowtree import device as devices
 from flowtree.geometry.octahedral_map import level_axes, square_to_direction
+from flowtree.geometry.smallest_ball import smallest_ball
 from flowtree.model.asset import Card
 from flowtree.model.tree import TreeModel
 from flowtree.render.assemble_scene import corner_points
@@ -61,9 +62,7 @@ def bake_octahedral(
         "choose fewer frames or a larger size",
     )
     scene = scene_to_bake(tree)
-    points = corner_points(scene)
-    middle = 0.5 * (points.min(axis=1) + points.max(axis=1)).astype(np.float64)
-    reach = float(np.sqrt(((points - middle[:, None].astype(np.float32)) ** 2).sum(axis=0).max()))
+    middle, reach = smallest_ball(corner_points(scene).astype(np.float64))
     pixel = 2.0 * reach / (1.0 - 2.0 * MARGIN) / side
     place = 2.0 * np.arange(frames) / (frames - 1) - 1.0
     column, row = np.meshgrid(np.arange(frames), np.arange(frames))
