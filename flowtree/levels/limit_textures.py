@@ -17,8 +17,9 @@ from flowtree.model.tree import TreeModel
 def limit_textures(levels: Sequence[TreeModel], size: int) -> tuple[TreeModel, ...]:
     """Halves the levels' pictures until none is wider or higher than ``size`` pixels.
 
-    Colours are averaged as light, weighed by their alpha; normals as directions. What levels share they still
-    share afterwards: the same picture is one array.
+    Colours are averaged as light, weighed by their alpha; normals as directions. Of a picture that wants no
+    smaller copies (`Material.mipmaps`) every second pixel stays. What levels share they still share
+    afterwards: the same picture is one array.
 
     Args:
         levels: of one tree.
@@ -45,7 +46,7 @@ def limit_textures(levels: Sequence[TreeModel], size: int) -> tuple[TreeModel, .
 def _limit(material: Material, size: int) -> Material:
     color, normal = material.base_color, material.normal
     while max(color.shape[:2]) > size:
-        color = _halve_color(color)
+        color = _halve_color(color) if material.mipmaps else color[::2, ::2]
     while normal is not None and max(normal.shape[:2]) > size:
         normal = _halve_normal(normal)
     if color is material.base_color and normal is material.normal:

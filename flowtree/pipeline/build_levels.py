@@ -23,6 +23,7 @@ from flowtree.model.mesh import TreeMesh
 from flowtree.model.skeleton import Skeleton
 from flowtree.model.tree import TreeModel
 from flowtree.params import MeshingParams
+from flowtree.pipeline.show_twigs import CARDS, show_twigs
 
 _MOST_LEVELS = 4
 _NEXT = 0.8  # of level 0's triangles, in level 1
@@ -41,6 +42,10 @@ _MOST_SHARE = 1.6
 # What a file holds of wood, thin wood welded, and how much of it a triangle of the budget stands for: of
 # 49,000 the file stays below 4 MB.
 _VERTEX_BYTES, _TRIANGLE_BYTES, _BYTES = 45, 12, 71
+_CARDED = 2  # the level from which on twigs of bare trees are shown on cards
+_CARDS = 3 * 2 * CARDS  # triangles of these, at most
+_LIMBS = 3 * _CARDS  # triangles beside them, at least
+_LIMB_TOLERANCE = 0.01  # of meshing, with which it is found how many limbs fit beside the cards
 _ENOUGH = 0.9  # of the surface: with less of it, fewer branches that are thick enough are likelier
 
 
@@ -48,6 +53,7 @@ _ENOUGH = 0.9  # of the surface: with less of it, fewer branches that are thick 
 class _Wood:
     """A level's wood: ``surface`` [m²] counts both sides of its blades, of which the mesh may have one."""
 
+    branches: int
     skeleton: Skeleton
     moved: NDArray[np.int32]
     mesh: TreeMesh
@@ -77,10 +83,10 @@ def build_levels(
     triangles share few vertices gets fewer of them, so that files stay small. The wood is swept anew, with
     fewer sides and rings, the thinnest twigs flat, and where that is not enough, fewer and thicker twigs
     (`thin_skeleton`); there are fewer and larger leaves (`thin_leaves`) of fewer triangles (`simplify_leaf`),
-    or where they would be far larger, sprays of small ones (`spray_leaf`). Level 0's wood is closed; of flat
+    or where they would be far larger, sprays of small ones (`spray_leaf`). Of trees without leaves levels 2
+    and 3 have the same limbs, and cards that show all else (`show_twigs`). Level 0's wood is closed; of flat
     twigs of the others one side is left out, for a material of two sides (`drop_backs`). A branch or leaf of
-    a level is in all finer ones, too. Leaves of branches that are
-    gone belong to the node where these began.
+    a level is in all finer ones, too. Leaves of branches that are gone belong to the node where these began.
 
     Args:
         tree: with its skeleton.
@@ -108,9 +114,17 @@ def build_levels(
     foliage = tree.foliage
     order = None if foliage is None else spread_order(foliage.position, seed=seed)
     levels: list[TreeModel] = []
-    for budget in budgets:
+    coarsest = far // _FARTHEST
+    carded = foliage is None and tree.wood.node is not None and _LIMBS + _CARDS <= coarsest < whole
+    if carded and count > _CARDED:
+        limbs, twigs = _share_out(tree, coarsest - _CARDS, rank, meshing, device)
+        carded = twigs is not None
+    for number, budget in enumerate(budgets):
         if whole <= budget:
             levels.append(tree)
+            continue
+        if carded and number >= _CARDED:
+            levels.append(_limbs_and_twigs(limbs, twigs, budget, meshing, device))
             continue
         level = _build_level(tree, budget, rank, order, meshing, bool(levels), device)
         while levels and budget > least and _triangles(level) > _FEWER * _triangles(levels[-1]):
@@ -167,6 +181,35 @@ def _build_level(
     return replace(tree, skeleton=fitted.skeleton, wood=wood, bark=bark, foliage=foliage)
 
 
+def _share_out(
+    tree: TreeModel, budget: int, rank: BranchRank, meshing: MeshingParams, device: str | None
+) -> tuple[TreeModel, Foliage | None]:
+    """The limbs for which so many triangles are enough, and all else on cards; None where there is none."""
+    assert tree.wood.node is not None
+    fitted = _fit_wood(tree, rank, budget, 0.0, _for_limbs(meshing, budget), True, device)
+    gone = rank.branch >= fitted.branches
+    stays = ~gone[tree.wood.node[tree.wood.triangles]].any(axis=1)
+    if stays.all() or not stays.any():
+        return tree, None
+    wood = replace(tree.wood, triangles=tree.wood.triangles[stays])
+    return replace(tree, skeleton=fitted.skeleton, wood=wood), show_twigs(tree, gone, device=device)
+
+
+def _limbs_and_twigs(
+    limbs: TreeModel, twigs: Foliage | None, budget: int, meshing: MeshingParams, device: str | None
+) -> TreeModel:
+    """A level: the limbs as fine as the budget allows beside the twigs' cards."""
+    left, rank = budget - _CARDS, rank_branches(limbs.skeleton)
+    fitted = _fit_wood(limbs, rank, left, 0.0, _for_limbs(meshing, left), True, device)
+    bark = replace(limbs.bark, double_sided=True) if fitted.blades else limbs.bark
+    return replace(limbs, skeleton=fitted.skeleton, wood=fitted.mesh, bark=bark, foliage=twigs)
+
+
+def _for_limbs(meshing: MeshingParams, budget: int) -> MeshingParams:
+    sides = share_triangles(budget, branches=1, sides=meshing.sides).sides
+    return meshing.model_copy(update={"sides": sides, "tolerance": _LIMB_TOLERANCE})
+
+
 def _leaf_shapes(foliage: Foliage) -> list[TreeMesh]:
     """The leaf and simpler ones, the one of most triangles first."""
     simpler = [
@@ -203,7 +246,7 @@ def _fit_wood(
         surface, mesh = _surface(wood), drop_backs(wood) if sheets else wood
         share = float(np.clip(share * whole / surface, 1.0, _MOST_SHARE))
         light = weld_thin_wood(mesh, thinned, radius=THIN * tree.height)
-        return _Wood(thinned, moved, light, surface, mesh is not wood)
+        return _Wood(count, thinned, moved, light, surface, mesh is not wood)
 
     whole, count = _surface(tree.wood), len(rank.fork)
     high, first = (count, _USUAL * count), _LOST

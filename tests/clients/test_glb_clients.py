@@ -9,14 +9,18 @@ import numpy as np
 import pytest
 import trimesh
 
+from flowtree.configuration import override_params
 from flowtree.export.merge_leaves import merge_leaves
 from flowtree.export.write_glb import write_glb
 from flowtree.levels.pack_atlas import pack_atlas
 from flowtree.model.asset import TreeAsset
 from flowtree.model.mesh import TreeMesh
 from flowtree.model.tree import TreeModel
+from flowtree.params import Params
+from flowtree.pipeline.equip_tree import equip_tree
 from tests.assets import equipped, levelled, meshed_tree
 from tests.clients.node import load_in_three, validate_glb
+from tests.levels.trees import crowned_tree
 from tests.trees import bare_tree, hand_made_tree, unusual_tree
 
 
@@ -81,6 +85,26 @@ def test_the_validator_finds_nothing_wrong_with_all_there_is(
     for path, report in zip(paths, validate_glb(*paths), strict=True):
         assert report["issues"]["numWarnings"] == 0, (path, report["issues"]["messages"][:3])
     assert len(paths) == len(assets) + 1
+
+
+@pytest.mark.parametrize("atlas", [False, True], ids=["plain", "atlas"])
+def test_the_validator_finds_nothing_wrong_with_the_levels_of_a_bare_tree(
+    tmp_path: Path, atlas: bool
+) -> None:
+    asked = [
+        *("asset.levels=4", "asset.max_triangles=30000", f"asset.atlas={atlas}", "asset.texture_size=512"),
+        *("asset.impostor=crossed", "asset.impostor_size=512"),
+        *("wind.sway=true", "wind.channels=attributes", "collision.engine=godot"),
+    ]
+    asset = equip_tree(crowned_tree(5, leaves=0), params=override_params(Params(), asked), device="cpu")
+    far = asset.levels[3]
+    assert far.foliage is not None
+    assert (far.bark.base_color is far.foliage.material.base_color) == atlas
+    write_glb(asset, tmp_path / "bare.glb")
+    (report,) = validate_glb(tmp_path / "bare.glb")
+    assert report["issues"]["numWarnings"] == 0, report["issues"]["messages"][:3]
+    (loaded,) = load_in_three(tmp_path / "bare.glb")
+    assert loaded["meshes"]["Tree_LOD0_wood"]["triangles"] == len(asset.levels[0].wood.triangles)
 
 
 def test_three_loads_the_same_tree(files: dict[Path, TreeModel]) -> None:

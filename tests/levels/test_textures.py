@@ -81,3 +81,16 @@ def test_textures_are_halved_until_they_fit(size):
 
 def test_textures_that_fit_stay():
     assert limit_textures([TREE], 4096)[0] is TREE
+
+
+def test_pictures_that_want_no_smaller_copies_keep_their_share_of_covered_pixels():
+    leaf = TREE.foliage.material
+    alpha = np.where(np.random.default_rng(0).random((256, 256)) < 0.1, 255, 0).astype(np.uint8)
+    dots = np.concatenate([np.full((256, 256, 3), 90, np.uint8), alpha[:, :, None]], axis=2)
+    for mipmaps, share in ((False, pytest.approx(0.1, abs=0.02)), (True, 0.0)):
+        material = dataclasses.replace(leaf, base_color=dots, mipmaps=mipmaps)
+        tree = dataclasses.replace(TREE, foliage=dataclasses.replace(TREE.foliage, material=material))
+        (small,) = limit_textures([tree], 64)
+        picture = small.foliage.material.base_color
+        assert picture.shape == (64, 64, 4)
+        assert (picture[:, :, 3] >= 128).mean() == share

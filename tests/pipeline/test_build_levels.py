@@ -59,7 +59,7 @@ def test_levels_keep_their_budgets_and_lie_in_each_other(budget, seed, bare):
     assert is_watertight(close_seams(levels[0].wood)[1])
     assert not levels[0].bark.double_sided
     for fine, coarse in pairwise(levels):
-        assert _leaves(coarse) <= _leaves(fine)
+        assert bare or _leaves(coarse) <= _leaves(fine)
         assert _nodes(coarse) <= _nodes(fine)
 
 
@@ -127,3 +127,58 @@ def test_a_level_looks_like_the_tree(shape):
             assert mask.sum() == pytest.approx(masks[0].sum(), rel=0.2)
         fidelity = soft_iou(masks[1], camera, masks[2], camera, height=tree.height)
         assert fidelity > 0.8
+
+
+@pytest.fixture(scope="module")
+def carded():
+    """A bare tree of 34,000 triangles in four levels."""
+    return build_levels(FRESH, max_triangles=30_000, count=4, device="cpu")
+
+
+def test_far_levels_of_a_bare_tree_have_limbs_and_cards(carded):
+    assert [level.foliage is None for level in carded] == [True, True, False, False]
+    far, farthest = carded[2:]
+    assert far.foliage is farthest.foliage  # one picture in the file
+    assert not far.foliage.material.mipmaps
+    assert _nodes(far) == _nodes(farthest) < _nodes(carded[0])
+    assert _count(far) <= 30_000 // 15
+    assert _count(farthest) < 0.9 * _count(far)
+    assert _count(farthest) <= 30_000 // 60
+    for level in carded:
+        check_tree(level)
+
+
+@pytest.mark.parametrize("yaw", [15.0, 80.0])
+def test_far_levels_of_a_bare_tree_look_like_it(carded, yaw):
+    camera = fit_camera(carded[0], yaw, 128)
+    masks = [render_mask(level, camera, device="cpu") for level in carded]
+    for number in (2, 3):
+        assert soft_iou(masks[0], camera, masks[number], camera, height=FRESH.height) >= 0.8
+        limbs = render_mask(dataclasses.replace(carded[number], foliage=None), camera, device="cpu")
+        assert soft_iou(masks[0], camera, limbs, camera, height=FRESH.height) < 0.7
+
+
+def test_three_levels_are_the_first_of_four(carded):
+    three = build_levels(FRESH, max_triangles=30_000, count=3, device="cpu")
+    assert three[2].wood.positions.tobytes() == carded[2].wood.positions.tobytes()
+    assert three[2].foliage.material.base_color.tobytes() == carded[2].foliage.material.base_color.tobytes()
+
+
+def test_cards_are_lit_as_a_crown_is(carded):
+    """Each card's normals look out of the crown from its own side."""
+    leaf = carded[2].foliage.leaf
+    assert np.allclose(np.linalg.norm(leaf.normals, axis=1), 1.0, atol=1e-5)
+    corners = leaf.positions.reshape(-1, 4, 3)
+    facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert (np.sum(leaf.normals.reshape(-1, 4, 3) * facing[:, None], axis=2) > 0).all()
+    outward = leaf.positions - leaf.positions.mean(axis=0)
+    top = outward[:, 1] > 0
+    assert np.abs(leaf.normals[top, 1]).mean() > 0.1
+
+
+def test_wood_that_knows_no_nodes_and_small_budgets_have_no_cards():
+    unknown = dataclasses.replace(FRESH, wood=dataclasses.replace(FRESH.wood, node=None))
+    for tree, budget in ((unknown, 30_000), (FRESH, 10_000)):
+        assert all(
+            level.foliage is None for level in build_levels(tree, max_triangles=budget, count=3, device="cpu")
+        )
