@@ -116,14 +116,14 @@ def build_levels(
     levels: list[TreeModel] = []
     coarsest = far // _FARTHEST
     carded = foliage is None and tree.wood.node is not None and _LIMBS + _CARDS <= coarsest < whole
-    if carded and count > _CARDED:
-        limbs, twigs = _share_out(tree, coarsest - _CARDS, rank, meshing, device)
-        carded = twigs is not None
+    limbs, twigs = tree, None
     for number, budget in enumerate(budgets):
         if whole <= budget:
             levels.append(tree)
             continue
-        if carded and number >= _CARDED:
+        if carded and number == _CARDED:
+            limbs, twigs = _share_out(tree, levels[0], coarsest - _CARDS, rank, meshing, device)
+        if twigs is not None:
             levels.append(_limbs_and_twigs(limbs, twigs, budget, meshing, device))
             continue
         level = _build_level(tree, budget, rank, order, meshing, bool(levels), device)
@@ -182,21 +182,30 @@ def _build_level(
 
 
 def _share_out(
-    tree: TreeModel, budget: int, rank: BranchRank, meshing: MeshingParams, device: str | None
+    tree: TreeModel,
+    finest: TreeModel,
+    budget: int,
+    rank: BranchRank,
+    meshing: MeshingParams,
+    device: str | None,
 ) -> tuple[TreeModel, Foliage | None]:
-    """The limbs for which so many triangles are enough, and all else on cards; None where there is none."""
+    """The limbs that so many triangles are enough for, and what else level 0 has on cards; None for nothing."""
     assert tree.wood.node is not None
     fitted = _fit_wood(tree, rank, budget, 0.0, _for_limbs(meshing, budget), True, device)
     gone = rank.branch >= fitted.branches
     stays = ~gone[tree.wood.node[tree.wood.triangles]].any(axis=1)
-    if stays.all() or not stays.any():
+    # Levels keep branches from the first rank on: so many nodes stand in the finest one.
+    nodes = np.cumsum(np.bincount(rank.branch))
+    standing = rank.branch <= np.searchsorted(nodes, len(finest.skeleton.parent))
+    if not gone[standing].any() or not stays.any():
         return tree, None
     wood = replace(tree.wood, triangles=tree.wood.triangles[stays])
-    return replace(tree, skeleton=fitted.skeleton, wood=wood), show_twigs(tree, gone, device=device)
+    limbs = replace(tree, skeleton=fitted.skeleton, wood=wood)
+    return limbs, show_twigs(finest, gone[standing], device=device)
 
 
 def _limbs_and_twigs(
-    limbs: TreeModel, twigs: Foliage | None, budget: int, meshing: MeshingParams, device: str | None
+    limbs: TreeModel, twigs: Foliage, budget: int, meshing: MeshingParams, device: str | None
 ) -> TreeModel:
     """A level: the limbs as fine as the budget allows beside the twigs' cards."""
     left, rank = budget - _CARDS, rank_branches(limbs.skeleton)
