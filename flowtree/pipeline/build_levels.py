@@ -189,7 +189,7 @@ def _share_out(
     meshing: MeshingParams,
     device: str | None,
 ) -> tuple[TreeModel, Foliage | None]:
-    """The limbs that so many triangles are enough for, and what else level 0 has on cards; None for nothing."""
+    """The limbs for so many triangles, and on cards what else level 0 has; None where that is nothing."""
     assert tree.wood.node is not None
     fitted = _fit_wood(tree, rank, budget, 0.0, _for_limbs(meshing, budget), True, device)
     gone = rank.branch >= fitted.branches
