@@ -158,12 +158,6 @@ def test_far_levels_of_a_bare_tree_look_like_it(carded, yaw):
         assert soft_iou(masks[0], camera, limbs, camera, height=FRESH.height) < 0.7
 
 
-def test_three_levels_are_the_first_of_four(carded):
-    three = build_levels(FRESH, max_triangles=30_000, count=3, device="cpu")
-    assert three[2].wood.positions.tobytes() == carded[2].wood.positions.tobytes()
-    assert three[2].foliage.material.base_color.tobytes() == carded[2].foliage.material.base_color.tobytes()
-
-
 def test_cards_are_lit_as_a_crown_is(carded):
     """Each card's normals look out of the crown from its own side."""
     leaf = carded[2].foliage.leaf
