@@ -27,6 +27,7 @@ from flowtree.render.cast_scene import ParallelView, cast_scene
 from flowtree.render.keep_coverage import keep_coverage
 from flowtree.render.pack_pictures import pack_pictures
 from flowtree.render.render_mask import pixel_share
+from flowtree.render.resample_picture import resample_picture
 from flowtree.render.share_cards import share_cards
 from flowtree.render.space_planes import space_planes
 
@@ -71,18 +72,12 @@ class _Cells:
     def enlarge(self, cover: Floats, picture: CardPicture) -> NDArray[np.float32]:
         """What a picture's pixels are to cover: between the cells' centres."""
         view = picture.view(1)
-        shown: NDArray[np.float32] = cover.astype(np.float32)
         ratio = view.metres_per_pixel / self.cell
         down = (np.arange(view.height) + 0.5 - view.foot[1]) * ratio + self.foot[1] - 0.5
         across = (np.arange(view.width) + 0.5 - view.foot[0]) * ratio + self.foot[0] - 0.5
-        for axis, place in enumerate((down, across)):
-            low = np.clip(np.floor(place).astype(np.int64), 0, shown.shape[axis] - 1)
-            high = np.minimum(low + 1, shown.shape[axis] - 1)
-            part = np.clip(place - low, 0.0, 1.0).astype(np.float32)
-            part = part[:, None] if axis == 0 else part[None, :]
-            shown = (1 - part) * np.take(shown, low, axis) + part * np.take(shown, high, axis)
+        shown = resample_picture(cover.astype(np.float32), down, across)
         shown[(down < -0.5) | (down > self.height - 0.5)] = 0.0  # below the foot nothing goes on
-        return np.asarray(shown, np.float32)
+        return shown
 
 
 def bake_crossed(tree: TreeModel, *, cards: int = 11, size: int = 2048, device: str | None = None) -> Card:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from flowtree.render.resample_picture import resample_picture
+
 Floats = NDArray[np.float32]
 
 
@@ -40,11 +42,5 @@ def _fill(values: Floats, weight: Floats) -> Floats:
 
 def _double(picture: Floats, rows: int, columns: int) -> Floats:
     """A picture of twice the size, between the centres of the pixels of this one."""
-    for axis, size in ((0, rows), (1, columns)):
-        place = (np.arange(size) + 0.5) / 2.0 - 0.5
-        low = np.clip(np.floor(place).astype(np.int64), 0, picture.shape[axis] - 1)
-        high = np.minimum(low + 1, picture.shape[axis] - 1)
-        share = np.clip(place - low, 0.0, 1.0).astype(np.float32)
-        share = share.reshape((-1, 1, 1) if axis == 0 else (1, -1, 1))
-        picture = (1 - share) * np.take(picture, low, axis) + share * np.take(picture, high, axis)
-    return picture
+    down, across = ((np.arange(size) + 0.5) / 2.0 - 0.5 for size in (rows, columns))
+    return resample_picture(picture, down, across)

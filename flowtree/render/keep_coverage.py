@@ -6,6 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from flowtree.render.resample_picture import resample_picture
+
 Floats = NDArray[np.float32]
 _BLOCK = 4  # pixels
 _FINER = 2  # samples along a pixel's side
@@ -41,14 +43,9 @@ def keep_coverage(alpha: Floats, share: Floats, cutoff: float) -> Floats:
     beyond = np.take_along_axis(order, np.clip(count, 0, size - 1)[:, :, None], 2)[:, :, 0]
     # Where nothing is asked for the threshold lies above all that is there.
     threshold = np.where(count == 0, np.maximum(cutoff, 1.01 * order[:, :, 0]), 0.5 * (within + beyond))
-    smooth = np.clip(np.where(count == size, 0.99 * within, threshold), *_RANGE).astype(np.float32)
-    for axis, length in ((0, rows), (1, columns)):
-        place = (np.arange(length) + 0.5) / _BLOCK - 0.5
-        low = np.clip(np.floor(place).astype(np.int64), 0, smooth.shape[axis] - 1)
-        high = np.minimum(low + 1, smooth.shape[axis] - 1)
-        part = np.clip(place - low, 0.0, 1.0).astype(np.float32)
-        part = part[:, None] if axis == 0 else part[None, :]
-        smooth = (1 - part) * np.take(smooth, low, axis) + part * np.take(smooth, high, axis)
+    threshold = np.clip(np.where(count == size, 0.99 * within, threshold), *_RANGE).astype(np.float32)
+    down, across = ((np.arange(length) + 0.5) / _BLOCK - 0.5 for length in (rows, columns))
+    smooth = resample_picture(threshold, down, across)
     return np.asarray(np.minimum(soft * (np.float32(cutoff) / smooth), 1.0), np.float32)
 
 
